@@ -4,16 +4,14 @@ A field's annotation says what the option may be, the string below it is its hel
 makes such records from words, Python from keywords.
 """
 
-import ast
 import os
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from inspect import get_annotations
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, Final, Literal, TypeVar, get_args, get_origin
+from typing import Any, Final, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.gone import instead_of
@@ -56,8 +54,7 @@ class Range:
         return f"{number} from {self.least:g} to {self.most:g}{', or 0' if self.or_zero else ''}"
 
 
-@dataclass(frozen=True, slots=True)
-class As:
+class As(NamedTuple):
     """How an option is written on the command line; a field without it is no option."""
 
     metavar: str = ""
@@ -70,8 +67,7 @@ class As:
     """An argument that must be there."""
 
 
-@dataclass(frozen=True, slots=True)
-class Option:
+class Option(NamedTuple):
     """One option of a record."""
 
     name: str
@@ -223,26 +219,3 @@ def _unknown(name: str, known: Sequence[str]) -> str:
 def as_keyword(name: str, value: object) -> str:
     """Write an option as a keyword of Python; see `make`."""
     return f"{name}={value!r}"
-
-
-@cache
-def definitions(record: Any) -> dict[str, str]:  # noqa: ANN401 - any record
-    """Read the strings below the fields of a record and its bases from their source."""
-    found: dict[str, str] = {}
-    for each in reversed(record.__mro__):
-        source = getattr(sys.modules[each.__module__], "__file__", None)
-        if source:
-            tree = ast.parse(Path(source).read_text(encoding="utf-8"))
-            for node in tree.body:
-                if isinstance(node, ast.ClassDef) and node.name == each.__name__:
-                    found |= _strings_below(node)
-    return found
-
-
-def _strings_below(node: ast.ClassDef) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for field, below in zip(node.body, node.body[1:], strict=False):
-        match field, below:
-            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=text)):
-                found[name] = " ".join(str(text).split())
-    return found

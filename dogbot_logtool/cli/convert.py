@@ -20,7 +20,7 @@ def run(options: Convert) -> NoReturn:
     several = not options.join and may_be_several(options.logs, logs.paths)
     where = output_at(options.output, _ENDING, several=several)
     if options.scheduler is not None:
-        where = replace(where, path=from_root(where.path))
+        where = where._replace(path=from_root(where.path))
     pairs = targets(logs.paths, where, _ENDING, logs.below)
     options = replace(options, makes_folder=where.is_folder)
     tasks = conversion_tasks(pairs, options)

@@ -1,9 +1,8 @@
 """The story of `check`: is a log good, by rules that a person wrote?"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from dogbot_logtool.comparison.fields import load_json, looks_like_json
 from dogbot_logtool.comparison.judge import Judgement, Status, judge, worst
@@ -12,8 +11,7 @@ from dogbot_logtool.core.metrics import SCHEMA_VERSION
 from dogbot_logtool.errors import CallError
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
+class Limits(NamedTuple):
     """The limits that logs are checked against."""
 
     rules: tuple[Rule, ...]

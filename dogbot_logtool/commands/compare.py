@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 
 from dogbot_logtool.comparison.fields import compare_json, looks_like_json
@@ -25,7 +24,7 @@ def compare(expected: Path, actual: Path, options: CompareOptions) -> Comparison
         options.atol, options.rtol, options.tolerances, options.ignore, options.topics
     )
     comparison = _compare(expected, actual, rules, options.max_differences)
-    return replace(comparison, warnings=tuple(_warnings(comparison)))
+    return comparison._replace(warnings=tuple(_warnings(comparison)))
 
 
 def _warnings(found: Comparison) -> Iterator[str]:

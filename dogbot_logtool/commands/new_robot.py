@@ -1,7 +1,8 @@
 """`dogbot-logtool robots new`: a robot's file from a log, with the evidence for each line."""
 
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.errors import LogError
@@ -16,8 +17,7 @@ from dogbot_logtool.robot.selection import select_topics
 from dogbot_logtool.run.runner import OnProgress
 
 
-@dataclass(frozen=True, slots=True)
-class NewRobot:
+class NewRobot(NamedTuple):
     """A robot's file."""
 
     text: str

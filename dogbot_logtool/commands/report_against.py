@@ -1,7 +1,7 @@
 """The story of `report --against`: a page that shows two runs, or groups of runs, side by side."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from dogbot_logtool.comparison.walks import GaitComparison, compare_walks
 from dogbot_logtool.io.output import Output, refuse_bad_target, whole_file
@@ -13,8 +13,7 @@ ENDING = ".against.html"
 """Ending of the page's name in a directory, after the name of the first log."""
 
 
-@dataclass(frozen=True, slots=True)
-class ComparisonPage:
+class ComparisonPage(NamedTuple):
     """A page that was written."""
 
     target: Location

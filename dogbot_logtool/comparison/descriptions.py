@@ -3,7 +3,6 @@
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import zip_longest
 from typing import Final
 
@@ -45,7 +44,7 @@ def compare_descriptions(expected: Sequence[Channel], actual: Sequence[Channel])
 def _schemas(channels: Sequence[Channel], kind: str) -> list[Schema]:
     """Return the different definitions of a type in the order of their channels."""
     schemas = [each.schema for each in channels if each.schema and kind_of(each) == kind]
-    return list(dict.fromkeys(replace(each, id=0) for each in schemas))
+    return list(dict.fromkeys(each._replace(id=0) for each in schemas))
 
 
 def _lines(schema: Schema) -> list[str]:

@@ -5,14 +5,13 @@ is not known.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import StrEnum
 from fnmatch import fnmatchcase
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.comparison.limits import Rule, Value, is_number
-from dogbot_logtool.core.events.event import EventType
+from dogbot_logtool.core.event import EventType
 from dogbot_logtool.core.records import METRICS, MetricPath
 
 Json = Mapping[str, Any]
@@ -41,8 +40,7 @@ class Status(StrEnum):
     GOOD = "GOOD"
 
 
-@dataclass(frozen=True, slots=True)
-class Judgement:
+class Judgement(NamedTuple):
     """The result of a rule for one figure, or for the count of findings or events."""
 
     status: Status

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, Final, Literal, TypeGuard, get_args
+from typing import Any, Final, Literal, NamedTuple, TypeGuard, get_args
 
-from dogbot_logtool.core.events.event import EventType
+from dogbot_logtool.core.event import EventType
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity, finding_kinds
 from dogbot_logtool.io.toml_table import parse_toml, read_text, shortened, toml_number
@@ -50,8 +50,7 @@ class Deviation:
         return max(self.by, abs(before) * self.by_percent / 100.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(NamedTuple):
     """A demand on metrics, findings or events."""
 
     subject: Subject

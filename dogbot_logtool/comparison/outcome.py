@@ -172,8 +172,7 @@ class Differences:
             self.kept.append(Difference(*texts, deviation, **where))
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
+class Comparison(NamedTuple):
     """The result of comparing two files."""
 
     expected: Path

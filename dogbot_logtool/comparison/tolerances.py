@@ -7,11 +7,10 @@ beside its messages is named like fields: ``profile``, ``metadata:NAME``, ``meta
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache, partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.toml_table import parse_toml, read_text, toml_number
@@ -19,8 +18,7 @@ from dogbot_logtool.io.toml_table import parse_toml, read_text, toml_number
 _DEFAULT: Final = "default"
 
 
-@dataclass(frozen=True, slots=True)
-class Tolerance:
+class Tolerance(NamedTuple):
     """Two numbers agree when ``|expected - actual| <= atol + rtol * |expected|``."""
 
     atol: float = 0.0
@@ -30,8 +28,7 @@ class Tolerance:
     """Globs of the fields that share it: lengths, angles, forces ..."""
 
 
-@dataclass(frozen=True, slots=True)
-class Rules:
+class Rules(NamedTuple):
     """Differences that a user allows."""
 
     default: Tolerance = Tolerance()
@@ -49,7 +46,7 @@ class Rules:
 
     def ignoring(self, *globs: str) -> "Rules":
         """Return rules that ignore more."""
-        return replace(self, ignore=(*self.ignore, *globs))
+        return self._replace(ignore=(*self.ignore, *globs))
 
     def refuse_nothing(self, what: str) -> None:
         """Refuse patterns that leave nothing: files must not pass for the same so.
@@ -108,8 +105,8 @@ def load_rules(
         document = parse_toml(read_text(tolerances, "a tolerance file"), str(tolerances))
     found = {name: _tolerance(f"{tolerances}: {name}", name, document[name]) for name in document}
     default = found.pop(_DEFAULT, Tolerance())
-    default = replace(default, atol=default.atol if atol is None else atol)
-    default = replace(default, rtol=default.rtol if rtol is None else rtol)
+    default = default._replace(atol=default.atol if atol is None else atol)
+    default = default._replace(rtol=default.rtol if rtol is None else rtol)
     return Rules(default, tuple(found.values()), ignore, topics)
 
 

@@ -9,10 +9,9 @@ interval is as wide as the number of them asks for (Bonferroni).
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 from statistics import median
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -46,8 +45,7 @@ _PERIOD: Final = "period_s"
 Json = Mapping[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class MetricDifference:
+class MetricDifference(NamedTuple):
     """How a metric of one foot differs between two sides."""
 
     foot: str
@@ -64,8 +62,7 @@ class MetricDifference:
     differs: bool
 
 
-@dataclass(frozen=True, slots=True)
-class GaitComparison:
+class GaitComparison(NamedTuple):
     """How two sides walk."""
 
     sides: tuple[tuple[str, ...], tuple[str, ...]]

@@ -7,30 +7,25 @@ The order is the same for every log: corrections, masks, what is measured with t
 look for reasons to doubt it, and metrics, less those that are in doubt.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.base.axes import with_forward_axis
 from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
 from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet
 from dogbot_logtool.core.base.motion import base_motion, base_track
-from dogbot_logtool.core.base.poses import BaseHistory, find_jumps, without_jumps
+from dogbot_logtool.core.base.poses import find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
-from dogbot_logtool.core.consistency import placed_poses, without_stopped
-from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.consistency import long_delay, placed_poses, without_stopped
 from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
 from dogbot_logtool.core.gait.support import standing_in, support
-from dogbot_logtool.core.heave import long_delay
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.loads import dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Log
@@ -101,7 +96,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     positions = [foot.leg_position or ("", foot.name) for foot in settings.feet]
     witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
     frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
-    recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    recorded = without_frozen(corrected.base, frozen) if len(frozen) else corrected.base
     stand_in = None
     if witness is not None and corrected.leaning_rad is None:
         stand_in = witness.stand_in(recorded, settings.forward_rad)
@@ -113,8 +108,11 @@ def mask_walk(corrected: Corrected) -> Walk:
         foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
     ]
     records = without_stopped(telling, base)
-    placed, worlds = placed_poses(records, recorded, base)
-    height = _steadiest_height(records, placed, base)
+    # Places that the poses have put into the world jump with them.
+    placed_by_poses = any(path is not None for path in corrected.places)
+    candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
+    placed, worlds = placed_poses(records, candidates, period_s)
+    height = height_over_feet(placed, records)
     fallen = fallen_spans(recorded, records, height, jumps.spans)
     weighed = loads_of(
         records,
@@ -137,7 +135,6 @@ def mask_walk(corrected: Corrected) -> Walk:
     if period_s and tells and not apart:
         delay = long_delay(records, base, period_s, walked)
     apart = apart | {settings.odometry_topic} if delay else apart
-    placed_by_poses = any(path is not None for path in corrected.places)
     ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
     on_ground = base if ground is None else ground.on_ground(base)
     track = base_track(on_ground, height, records, standing.still)
@@ -183,26 +180,6 @@ def mask_walk(corrected: Corrected) -> Walk:
         worlds=worlds,
         loads=weighed,
     )
-
-
-def _steadiest_height(
-    records: Sequence[FootHistory], placed: BaseHistory, without: BaseHistory
-) -> Floats:
-    """(n,) m, over the feet: z may be reset in poses of which x and y jump with the feet, or not.
-
-    Args:
-        records: of all feet.
-        placed: poses among the contact points.
-        without: poses without jumps.
-    """
-    height = height_over_feet(placed, records)
-    if placed is without:
-        return height
-    other = height_over_feet(without, records)
-    known = np.isfinite(height) & np.isfinite(other)
-    if not known.any():
-        return height if np.isfinite(height).any() else other
-    return other if np.std(other[known]) < np.std(height[known]) else height
 
 
 def _measured(walk: Walk) -> Walk:

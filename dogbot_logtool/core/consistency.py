@@ -1,23 +1,26 @@
-"""Whether base and feet are in one world, and whether each foot's sensor goes on feeling it.
+"""Whether base and feet are in one world and on one clock, and whether each foot's sensor works on.
 
-Two world frames, or a drifting odometry, part base and feet. A sensor that stops makes no step
+Two world frames, or a drifting odometry, part base and feet. The base goes up and down when the
+feet's forces drive it: so physics compares their clocks. A sensor that stops makes no step
 while the others go on. A foot that is lifted, or planted, makes none either: of a lifted one the
 other feet carry the load; a planted one feels that load shift, and the base does not go away from
 it.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, distinct, means_by_group, median_of
-from dogbot_logtool.core.base.ground import seen_from_base, trend
+from dogbot_logtool.core.base.ground import seen_from_base
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import likeness
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses
+from dogbot_logtool.core.corrections.clock import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
+from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 
 MISSED_STEPS: Final = 4
 """Touchdowns of half of the other feet, or more, while one foot makes no step."""
@@ -134,7 +137,7 @@ def all_silent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
 
 
 WINDOW_NS: Final = 2_000_000_000
-"""ns: a foot's position is averaged over so long: a stride or more of most gaits."""
+"""ns: a foot's position is averaged over so long where there are no strides."""
 _MOST_WINDOWS: Final = 60
 FEWEST_TICKS: Final = 25
 """Ticks of 40 ms with contact points of a foot from which its usual position is known."""
@@ -146,61 +149,56 @@ PART_OF_FEET: Final = 4.0
 """So many times further the base may be from some feet of a robot whose other feet tell no contact
 points: from the hind pair, say. Few robots are so many times longer than wide."""
 MOST_CHANGE: Final = 0.5
-"""Change of the base's position among the feet, against their spread, that no gait explains."""
+"""Shift of the base among the feet, against their spread, that no gait explains."""
 MOST_DRIFT: Final = 0.05
-"""The same of a change that goes on steadily, stance after stance."""
+"""The same of a shift that goes on steadily."""
 MOST_OF_PATH: Final = 0.02
 """Share of the robot's way by which base and feet may drift apart until that is not known."""
-
-FEWEST_STANCES: Final = 8
-"""Stances of all feet from which a trend is told."""
-STEADY: Final = 0.8
-"""Share of the variance of the feet's positions that a straight trend explains; a robot that leans
+FEWEST_WINDOWS: Final = 4
+"""Windows from which a drift is told."""
+STEADY: Final = 0.9
+"""Share of the variance of the base's position that a straight trend explains; a robot that leans
 otherwise from some moment on makes a step."""
 
 
-@dataclass(frozen=True, slots=True)
-class Worlds:
+class Worlds(NamedTuple):
     """The base among the feet that are down, seen from above and from the base."""
 
     distance_m: float
     """m, median horizontal distance of the base from the centroid of the feet's usual positions."""
     largest_m: float
-    """m, the largest, averaged over two seconds."""
+    """m, the largest, averaged over a window."""
     spread_m: float
     """m, distance of the outermost foot's usual position from that centroid."""
     beyond_fraction: float
     """Share of the time in which the base is further from it than the outermost foot, or
     `PART_OF_FEET` times as far where not all feet tell contact points."""
-    change_m: float
-    """m, change of the base's position among the feet from the log's first third to its last."""
-
-    drift_m: float = 0.0
-    """m, how far that position goes steadily; 0 where it does not, or too few stances tell."""
-
-    @property
-    def shift_m(self) -> float:
-        """The larger of change and drift, m."""
-        return max(self.change_m, self.drift_m)
+    shift_m: float
+    """m, change of the base's position among the feet from the log's first third to its last; all
+    along the log where it goes on steadily."""
+    drifts: bool
+    """Whether it goes on steadily."""
 
     @property
     def agree(self) -> bool:
         """Whether base and feet are in one world, throughout."""
-        steady = self.change_m <= MOST_CHANGE * self.spread_m
-        steady &= self.drift_m <= MOST_DRIFT * self.spread_m
-        return steady and self.beyond_fraction <= MOST_BEYOND
+        most = MOST_DRIFT if self.drifts else MOST_CHANGE
+        return self.shift_m <= most * self.spread_m and self.beyond_fraction <= MOST_BEYOND
 
     def lose_track(self, path_m: float) -> bool:
         """Tell whether base and feet drift so far apart that a path, m, is doubtful."""
-        return not self.agree and self.drift_m > MOST_OF_PATH * path_m
+        return not self.agree and self.drifts and self.shift_m > MOST_OF_PATH * path_m
 
 
-def compare_worlds(feet: Sequence[FootHistory], base: BaseHistory) -> Worlds | None:
+def compare_worlds(
+    feet: Sequence[FootHistory], base: BaseHistory, period_s: float | None
+) -> Worlds | None:
     """Compare where the feet touch with where the base is.
 
     Args:
         feet: histories of all feet, with contact points in the world.
         base: poses.
+        period_s: s, the usual stride: positions are means over whole strides; None: none is known.
 
     Returns:
         None where contact points of two feet around the base are not known for a second each.
@@ -214,80 +212,164 @@ def compare_worlds(feet: Sequence[FootHistory], base: BaseHistory) -> Worlds | N
     usual = np.stack([median_of(place, axis=0) for _, place in placed])
     centroid = usual.mean(axis=0)
     spread = float(np.hypot(*(usual - centroid).T).max())
-    start, last = int(base.time[0]), max(int(time[-1]) for time, _ in placed)
-    windows = int(np.clip((last - start) / WINDOW_NS, 1, _MOST_WINDOWS))
-    edges = np.linspace(0, last - start, windows + 1)[1:-1]
+    start = int(base.time[0])
+    duration = max(int(time[-1]) for time, _ in placed) - start
+    window = round((period_s or 0.0) * 1e9) or WINDOW_NS
+    window *= max(-(-duration // (window * _MOST_WINDOWS)), 1)
+    windows = max(duration // window, 1)
     shift = np.stack(
         [
-            means_by_group(place - own, np.searchsorted(edges, time - start, side="right"), windows)
+            means_by_group(place - own, np.clip((time - start) // window, 0, windows), windows + 1)
             for (time, place), own in zip(placed, usual, strict=True)
         ]
-    )
+    )[:, :windows]
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
     farthest = spread if len(placed) == len(feet) else PART_OF_FEET * spread
     third = max(len(away) // 3, 1)
     change = median_of(away[-third:], axis=0) - median_of(away[:third], axis=0)
+    drift, steadiness = _trend(away)
+    drifts = len(away) >= FEWEST_WINDOWS and steadiness >= STEADY
     return Worlds(
         distance_m=float(median_of(distance)),
         largest_m=float(distance.max()),
         spread_m=spread,
         beyond_fraction=float((distance > farthest).mean()),
-        change_m=float(np.hypot(*change)),
-        drift_m=_drift_m(feet, seen, start),
+        shift_m=float(np.hypot(*(drift if drifts else change))),
+        drifts=drifts,
     )
+
+
+def _trend(values: Floats) -> tuple[Floats, float]:
+    """Return the change along a straight line through values, (n, k), and what it explains of them.
+
+    Returns:
+        (k,) from the first to the last, and the share of the variance; 0 of none.
+    """
+    time = np.linspace(-0.5, 0.5, len(values))
+    apart = values - values.mean(axis=0)
+    change = time @ apart / max(time @ time, np.finfo(float).tiny)
+    total, rest = float((apart**2).sum()), apart - np.outer(time, change)
+    return change, 1.0 - float((rest**2).sum()) / total if total else 0.0
 
 
 def placed_poses(
-    records: Sequence[FootHistory], recorded: BaseHistory, base: BaseHistory
+    records: Sequence[FootHistory], candidates: Sequence[BaseHistory], period_s: float | None
 ) -> tuple[BaseHistory, Worlds | None]:
-    """Return the poses that contact points are compared with, and how they agree.
+    """Return the poses that stay where they are among the contact points, and how they agree.
 
     Args:
         records: of all feet.
-        recorded: poses as recorded, jumps and all.
-        base: poses without jumps.
+        candidates: poses without jumps, and with them.
+        period_s: s, the usual stride; None: there is none.
     """
-    worlds = compare_worlds(records, recorded)
-    if recorded is base or worlds is None:
-        return recorded, worlds
-    without = compare_worlds(records, base)
-    agrees = without is not None and without.agree
-    if without is None or not agrees or (worlds.agree and worlds.change_m <= without.change_m):
-        return recorded, worlds
-    return base, without
+    tried = [(each, compare_worlds(records, each, period_s)) for each in candidates]
+    return min(tried, key=lambda each: each[1].shift_m if each[1] else np.inf)
 
 
-def _drift_m(feet: Sequence[FootHistory], seen: Sequence[tuple[Ints, Floats]], start: int) -> float:
-    """Return how far the base goes among its feet, steadily, over all stances, m.
+LIKELY: Final = 0.97
+"""Share of what the best delay explains, from which another is as likely."""
+FOLLOWS: Final = 0.9
+"""Correlation of both ways from which the base follows the forces."""
+AS_FAR: Final = (0.75, 1.33)
+"""How far the base may go, against what the forces say."""
+LEAST_STRIDES: Final = 6
+FEWEST_CELLS: Final = 8
+"""Cells in a stride; a trot heaves twice in it, and fewer do not show how."""
+_LONGEST_S: Final = 120.0
+_LATEST_S: Final = 0.5
+_LAGS_S: Final = np.linspace(-_LATEST_S, _LATEST_S, 101)
 
-    A foot's position is its mean one over a whole stance, in the body's axes: acceleration, which
-    lets a foot land further ahead, hardly moves it. All feet have one trend.
+
+class Delay(NamedTuple):
+    """By how much the base comes after the forces that drive it, by the best fit."""
+
+    correlation: float
+    """At that delay."""
+    delay_s: float
+    low_s: float
+    """s: delays from here are as likely for all that the log can tell."""
+    high_s: float
+    """s, up to here."""
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def long_delay(
+    feet: Sequence[FootHistory], base: BaseHistory, period_s: float, walked: Ints
+) -> Delay | None:
+    """Return by how much the base comes after the feet's forces, if that is long.
+
+    Long is surely more than odometry takes, and than a few per cent of a stride. A heave that
+    repeats itself in less than a second makes that uncertain.
 
     Args:
         feet: histories of all feet.
-        seen: when and where each foot is seen from the base.
-        start: ns, the first pose.
+        base: poses without jumps.
+        period_s: s, the usual stride.
+        walked: (s, 2) ns, time in strides, in which nothing but the feet carries the robot.
 
     Returns:
-        0 without a trend, or with too few stances.
+        None also where vertical forces are not known over strides enough in a row, or the base does
+        not follow them closely.
     """
-    positions = []
-    for foot, (time, place) in zip(feet, seen, strict=True):
-        begin, end = foot.stances.touchdown, foot.stances.liftoff
-        begin, end = begin[foot.stances.whole], end[foot.stances.whole]
-        stance = np.searchsorted(begin, time, side="right") - 1
-        inside = (stance >= 0) & (time < np.append(end, 0)[stance])
-        rows = np.column_stack([(time - start) / 1e9, place])[inside]
-        mean = means_by_group(rows, stance[inside], len(begin))
-        positions.append(mean[all_finite(mean)])
-    # Each foot has a position of its own, and each its own mean time.
-    centred = np.concatenate(
-        [np.empty((0, 3)), *(each - each.mean(axis=0) for each in positions if len(each) > 1)]
-    )
-    if len(centred) < FEWEST_STANCES:
-        return 0.0
-    slope, steadiness = trend(centred[:, 0], centred[:, 1:])
-    seconds = float(np.ptp(np.concatenate(positions)[:, 0]))
-    return float(np.hypot(*slope)) * seconds if steadiness >= STEADY else 0.0
+    if not all(vertical_is_known(foot) for foot in feet):
+        return None
+    spans = timespans.intersect([walked, base.known, *(foot.vertical_known for foot in feet)])
+    if not len(spans):
+        return None
+    start, end = spans[np.argmax(spans[:, 1] - spans[:, 0])].tolist()
+    cells = int(min((end - start) / 1e9, _LONGEST_S) * CELL_RATE_HZ)
+    window = max(round(period_s * CELL_RATE_HZ), 1)
+    if cells < LEAST_STRIDES * window or window < FEWEST_CELLS:
+        return None
+    time = start + np.arange(cells) * _CELL_NS
+    force = mean_impulses(feet, "vertical_impulse", time + _CELL_NS // 2, _CELL_NS // 2).sum(axis=1)
+    if not force.mean() > 0.0:
+        return None
+    # The sum of cells is known at their ends, the sum of those half a cell later.
+    driven, at = _driven_heave(force, window), (time - start) / 1e9 + 1.5 / CELL_RATE_HZ
+    heave = _about_mean(base.position_at(time + 3 * _CELL_NS // 2)[:, 2], window)
+    edge = 2 * window + int(_LATEST_S * CELL_RATE_HZ) + 2
+    inside = np.isfinite(heave) & (np.arange(cells) >= edge) & (np.arange(cells) < cells - edge)
+    if not inside.any():
+        return None
+    found = _best_fit(heave[inside], [np.interp(at[inside] - lag, at, driven) for lag in _LAGS_S])
+    least = max(CLOCK_SHARE_OF_STRIDE * period_s, LONGEST_DELAY_S)
+    return found if found and (found.low_s > least or found.high_s < -least) else None
+
+
+def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
+    """Find the delay at which what forces drive explains the heave best (least squares).
+
+    Args:
+        heave: (n,) m.
+        driven: (n,) m for each of the delays that are tried.
+
+    Returns:
+        None where it does not explain it closely.
+    """
+    fits = [likeness(heave - heave.mean(), each - each.mean()) for each in driven]
+    correlation = np.array([coherence for _, coherence, _ in fits])
+    best = int(correlation.argmax())
+    gain, _, angle_rad = fits[best]
+    if correlation[best] < FOLLOWS or angle_rad or not AS_FAR[0] <= gain <= AS_FAR[1]:
+        return None
+    likely = _LAGS_S[correlation**2 >= LIKELY * correlation[best] ** 2]
+    low, high = float(likely.min()), float(likely.max())
+    return Delay(float(correlation[best]), float(_LAGS_S[best]), low, high)
+
+
+def _driven_heave(force: Floats, window: int) -> Floats:
+    """(n,) m, the way about its mean over a stride that mean forces in cells drive, (n,) N."""
+    step = 1.0 / CELL_RATE_HZ
+    acceleration = GRAVITY_MPS2 * (force / force.mean() - 1.0)
+    speed = _about_mean(np.cumsum(_about_mean(acceleration, window)) * step, window)
+    return _about_mean(np.cumsum(speed) * step, window)
+
+
+def _about_mean(values: Floats, window: int) -> Floats:
+    """(n,) what values differ by from their mean over a window about them."""
+    mean = np.convolve(values, np.full(window, 1.0 / window), mode="same")
+    rest: Floats = values - mean
+    return rest

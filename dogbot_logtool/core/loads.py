@@ -1,8 +1,7 @@
 """How the load is shared, whether it adds up to the weight, and what faults of sensors do to it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -38,8 +37,7 @@ STUCK: Final = 0.99
 STUCK_SAMPLES: Final = 40
 
 
-@dataclass(frozen=True, slots=True)
-class WalkLoads:
+class WalkLoads(NamedTuple):
     """Loads of all feet over one and the same time."""
 
     over_strides: bool

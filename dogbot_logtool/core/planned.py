@@ -1,7 +1,6 @@
 """How a foot follows its plan: touchdowns early, late and missed."""
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -16,8 +15,7 @@ _LONE_S: Final = 0.25
 """s around a touchdown without neighbours in which its match is looked for."""
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedFoot:
+class PlannedFoot(NamedTuple):
     """A foot's measured steps against its planned ones, in the time that is known of both."""
 
     topic: str

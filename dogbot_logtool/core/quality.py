@@ -1,7 +1,6 @@
 """What the times of each topic's messages say."""
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -103,8 +102,7 @@ def mean_rate_hz(number: int, span_ns: int) -> float | None:
     return number * 1e9 / span_ns if known else None
 
 
-@dataclass(frozen=True, slots=True)
-class TopicQuality:
+class TopicQuality(NamedTuple):
     """The timing of one topic."""
 
     topic: str
@@ -148,8 +146,7 @@ class TopicQuality:
         return None if None in kinds else sum(each or 0 for each in kinds)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class TopicTimes:
+class TopicTimes(NamedTuple):
     """When the messages of a topic were logged, and what their headers say."""
 
     topic: str

@@ -61,7 +61,7 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     """
     known = tuple(
         # Some physics engines tell contacts with wrenches that are all zero: these are no forces.
-        replace(foot, has_force=False) if _without_forces(own) else foot
+        foot._replace(has_force=False) if _without_forces(own) else foot
         for foot, own in zip(settings.feet, feet, strict=True)
     )
     settings = replace(settings, feet=known)
@@ -76,12 +76,12 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     for foot, level in zip(settings.feet, levels, strict=True):
         rule = contact_rule(level, weight or estimated, settings.thresholds)
         if foot.has_flags:
-            rule = replace(rule, by_flag=True, backdates=False, unusable="")
+            rule = rule._replace(by_flag=True, backdates=False, unusable="")
         elif _is_stuck(level) and any(_varies(each) for each in levels):
-            rule = replace(rule, unusable="its sensor reads one constant force while others vary")
+            rule = rule._replace(unusable="its sensor reads one constant force while others vary")
         if foot.low_pass and not foot.low_pass.resolved:
-            rule = replace(rule, unusable=HEAVILY_FILTERED)
-        found.append(replace(foot, level=level, rule=rule))
+            rule = rule._replace(unusable=HEAVILY_FILTERED)
+        found.append(foot._replace(level=level, rule=rule))
     return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
 
 

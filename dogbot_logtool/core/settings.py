@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from math import pi
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.core.contact.contact_rule import ContactRule, Thresholds, contact_rule
 from dogbot_logtool.core.contact.filtered import Filter
@@ -26,8 +26,7 @@ def body_weight_n(mass_kg: float | None) -> float | None:
     return None if mass_kg is None else mass_kg * GRAVITY_MPS2
 
 
-@dataclass(frozen=True, slots=True)
-class FootSettings:
+class FootSettings(NamedTuple):
     """One foot, in the order in which `Samples.foot` counts them."""
 
     name: str

@@ -1,8 +1,7 @@
 """Does the robot stand safely on the feet that are down? Support polygon, margins, pressure."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -36,8 +35,7 @@ def centre_of_pressure(points: Floats, load: Floats) -> Floats:
     return centre
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Hulls:
+class Hulls(NamedTuple):
     """Convex hulls of the feet that are down, seen from above."""
 
     point: Floats
@@ -104,8 +102,7 @@ _CHUNK_NUMBERS: Final = 500_000
 """Pairs of feet, times instants, that are looked at in one go."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Instants:
+class Instants(NamedTuple):
     """Base and feet at n instants, up to 100 a second, of the time that is known of all of them."""
 
     extent: Ints

@@ -11,7 +11,7 @@ from typing import Any, Final
 from dogbot_logtool.core import metrics, timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.checks.engine import questions_of
-from dogbot_logtool.core.events.events import find_events
+from dogbot_logtool.core.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import no_gait, with_support
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
@@ -61,7 +61,7 @@ def _gait(walk: Walk) -> metrics.GaitOfLog:
             start_s=(each.start - walk.origin) / 1e9,
             end_s=(each.end - walk.origin) / 1e9,
             gait=each.gait,
-            **_of_span(walk, each.spans),
+            **_of_span(walk, each.span),
         )
         for each in walk.segments
     ]

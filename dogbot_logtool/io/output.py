@@ -9,9 +9,8 @@ import contextlib
 import os
 import stat
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, BinaryIO, Final
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, LogtoolError, StoreError
 from dogbot_logtool.io import storage
@@ -247,8 +246,7 @@ def _discard(file: Any) -> None:  # noqa: ANN401 - a file of fsspec, or of one o
     file.discard()
 
 
-@dataclass(frozen=True, slots=True)
-class Output:
+class Output(NamedTuple):
     """The file or directory for results."""
 
     path: Location

@@ -11,9 +11,8 @@ import stat
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final, TypeVar
+from typing import TYPE_CHECKING, BinaryIO, Final, NamedTuple, TypeVar
 from urllib.parse import urlsplit
 
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, StoreError
@@ -145,8 +144,7 @@ def file_stem(path: Location) -> str:
     return Path(file_name(path)).stem
 
 
-@dataclass(frozen=True, slots=True)
-class Facts:
+class Facts(NamedTuple):
     """Size and version of a file, or of an object in a store."""
 
     is_folder: bool

@@ -4,9 +4,9 @@ import json
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import content
@@ -146,8 +146,7 @@ class TomlTable:
         return self.fault(f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
+class Kind(NamedTuple):
     """What the value of a key must be."""
 
     wanted: str

@@ -3,7 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,8 +30,7 @@ TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
 
 
-@dataclass(frozen=True, slots=True)
-class WantedVectors:
+class WantedVectors(NamedTuple):
     """A topic of vectors, with all of its senders."""
 
     topic: str
@@ -41,8 +40,7 @@ class WantedVectors:
     """What is read of its messages."""
 
 
-@dataclass(frozen=True, slots=True)
-class Wanted:
+class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
     contacts: tuple[Channel, ...]

@@ -1,10 +1,10 @@
 """Read a log whole: every chunk is decoded once, in any process, and joined by log time."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -54,8 +54,7 @@ class _Timed(Record, Protocol):
 Columns = TypeVar("Columns", bound=_Timed)
 
 
-@dataclass(frozen=True, slots=True)
-class ReadLog:
+class ReadLog(NamedTuple):
     """A log's columns, and what could not be read of it."""
 
     recording: Recording
@@ -71,8 +70,7 @@ class ReadLog:
     """Messages with contact states that have none, by why."""
 
 
-@dataclass(frozen=True, slots=True)
-class Alongside:
+class Alongside(NamedTuple):
     """What is done with messages beside making columns of them, so that they are read once."""
 
     work: Callable[[Log, Batch], Any]

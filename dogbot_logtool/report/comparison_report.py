@@ -181,5 +181,5 @@ def gait_comparison_json(found: GaitComparison) -> dict[str, Any]:
         "reasons": list(found.reasons),
         "doubts": list(found.doubts),
         "confidence": CONFIDENCE,
-        "differences": [asdict(each) for each in found.differences],
+        "differences": [each._asdict() for each in found.differences],
     }

@@ -1,7 +1,6 @@
 """A quantity over time, reduced so far that it can be drawn, with every peak and every trough."""
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -11,8 +10,7 @@ MOST_BINS: Final = 8192
 """More than a wide screen has columns of pixels."""
 
 
-@dataclass(frozen=True, slots=True)
-class Curve:
+class Curve(NamedTuple):
     """The samples of a quantity that are drawn."""
 
     time: Ints

@@ -14,9 +14,9 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.metrics import SCHEMA_VERSION
@@ -44,8 +44,7 @@ _MOST_BYTES: Final = 1 << 28
 _ASKED_AT_ONCE: Final = 16
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(NamedTuple):
     """A log that was named."""
 
     location: Location
@@ -58,8 +57,7 @@ class Entry:
     """Of a log that is there already: whether it is damaged; None: it is to be measured."""
 
 
-@dataclass(frozen=True, slots=True)
-class MeasuredEntry:
+class MeasuredEntry(NamedTuple):
     """A log that was measured for a dataset."""
 
     entry: Entry
@@ -67,8 +65,7 @@ class MeasuredEntry:
     damage: Damage
 
 
-@dataclass(frozen=True, slots=True)
-class Pending:
+class Pending(NamedTuple):
     """The work that a run has to do."""
 
     entries: tuple[Entry, ...]
@@ -80,8 +77,7 @@ class Pending:
     """Names of logs that were removed from the dataset."""
 
 
-@dataclass(frozen=True, slots=True)
-class Dataset:
+class Dataset(NamedTuple):
     """A directory or a URL with the tables: a file each a log."""
 
     root: Location
@@ -101,7 +97,7 @@ class Dataset:
             found = list(pool.map(self._look_at, log_set.paths))
         pending = [each for each in found if each.damaged is None]
         both = zip(log_set.logs, found, strict=True)
-        log_set = replace(log_set, logs=tuple(log for log, each in both if each.damaged is None))
+        log_set = log_set._replace(logs=tuple(log for log, each in both if each.damaged is None))
         unchanged = [
             (storage.name_of(each.location), DAMAGED if each.damaged else 0)
             for each in found
@@ -126,7 +122,7 @@ class Dataset:
             rows = rows.add_column(0, "log_hash", pa.array([entry.log_hash] * len(rows)))
             if table == "logs":
                 rows = with_labels(rows.add_column(1, "path", [[path]]), entry.labels)
-            self._replace(table, entry.log_hash, rows, state)
+            self._store(table, entry.log_hash, rows, state)
 
     def write_failed(self, entry: Entry, sentence: str) -> None:
         """Write that a log could not be measured, which is tried again each time.
@@ -134,7 +130,7 @@ class Dataset:
         One that is not there at all leaves no row.
         """
         if entry.state:
-            self.write(replace(entry, state=""), log_row({}, sentence), damaged=False)
+            self.write(entry._replace(state=""), log_row({}, sentence), damaged=False)
 
     def _look_at(self, location: Location) -> Entry:
         log_hash = hash_of(location)
@@ -149,12 +145,12 @@ class Dataset:
         except (LogtoolError, OSError):
             return entry  # opening it reports what is wrong
         state = json.dumps([SCHEMA_VERSION, __version__, self.settings, size, version])
-        entry = replace(entry, state=state)
+        entry = entry._replace(state=state)
         if not version or known.get("state") != state:
             return entry
         if entry.labels != old:
-            self._replace("logs", log_hash, with_labels(row, entry.labels), known)
-        return replace(entry, damaged=bool(known["damaged"]))
+            self._store("logs", log_hash, with_labels(row, entry.labels), known)
+        return entry._replace(damaged=bool(known["damaged"]))
 
     def _prune(self, named: set[str]) -> tuple[str, ...]:
         """Remove the files of logs that are gone, but for those named in the call."""
@@ -193,7 +189,7 @@ class Dataset:
             raise LogtoolError(f"{storage.name_of(file)}: cannot be read: {error}") from error
         return rows, json.loads((rows.schema.metadata or {}).get(_STATE, b"{}"))
 
-    def _replace(self, table: str, log_hash: str, rows: Any, state: dict[str, Any]) -> None:  # noqa: ANN401
+    def _store(self, table: str, log_hash: str, rows: Any, state: dict[str, Any]) -> None:  # noqa: ANN401
         """Write the rows of a log in a table, a `pyarrow.Table`, in the place of any before."""
         buffer = io.BytesIO()
         marked = rows.replace_schema_metadata({_STATE: json.dumps(state)})

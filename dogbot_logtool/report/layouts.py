@@ -2,13 +2,12 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import floor, log10, radians
 from pathlib import Path
 from string import Template
 from typing import Any, Final, NamedTuple
 
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 from dogbot_logtool.writer.topics import (
@@ -27,8 +26,7 @@ quadruped's right fore leg hides the left hind one, which stands with it in a tr
 _STEPS: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """The robot whose annotated log is shown."""
 
     feet: tuple[str, ...]

@@ -6,8 +6,8 @@ as a comment, for a person to check.
 
 import textwrap
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.io.printable import printable
@@ -19,8 +19,7 @@ _WIDTH: Final = 100
 _GRAVITY: Final = 9.81
 
 
-@dataclass(frozen=True, slots=True)
-class RobotEvidence:
+class RobotEvidence(NamedTuple):
     """Evidence of a robot in a log."""
 
     log: str

@@ -6,9 +6,9 @@ The same words stand on the terminal and on the page.
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import PurePath
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.core.metrics import Gait, Segment, WalkMetrics
 from dogbot_logtool.core.records import METRICS
@@ -31,8 +31,7 @@ _SOURCES: Final = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Quality:
+class Quality(NamedTuple):
     """Whether a recording can be trusted."""
 
     word: str

@@ -5,19 +5,15 @@ A base is a topic, and where its messages hold poses of several things an elemen
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import islice
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.definition import Struct
-from dogbot_logtool.reader.decode.paths import every_field
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, choices, path_source
-from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.others import is_static
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
@@ -25,11 +21,8 @@ from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import first_messages, message_count, require_topic, split_topic
 from dogbot_logtool.robot.words import VOCABULARY, texts_of, word_set
 
-_MOST_TYPES: Final = 500
 _MOST_OFFERED: Final = 3
 _MOST_LISTED: Final = 12
-_DEEPEST: Final = 4
-"""Messages within messages that are looked into."""
 _WORLDS: Final = ("odom", "world", "map", "odom_combined", "vision", "earth", "mocap")
 """Frames that stand still, the best first."""
 BASES: Final = ("base_link", "base", "trunk", "torso", "pelvis", "body", "base_footprint")
@@ -60,8 +53,7 @@ _NO_NAMES: Final = (
 _SURE, _PERHAPS, _NEVER = 0, 1, 2
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ChosenBase:
+class ChosenBase(NamedTuple):
     """The base of a log, and the robot with the frames that it names."""
 
     robot: Robot
@@ -72,8 +64,7 @@ class ChosenBase:
     empty: there are none, or a base is known."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Candidate:
+class _Candidate(NamedTuple):
     """Poses that may be the base's."""
 
     topic: str
@@ -247,8 +238,6 @@ def _candidates(log: Log, robot: Robot, feet: Collection[str]) -> Iterator[_Cand
             else:
                 of_type.append(_Candidate(topic, source, rank=_rank_of_topic(log, topic, source)))
         yield from (each for each in _settled(of_type, feet) if each.rank[0] != _NEVER)
-    unknown = _in_unknown_messages(log)
-    yield from sorted(unknown, key=lambda each: texts_of(each.name).isdisjoint(_BASE_WORDS))
 
 
 def _settled(of_type: Sequence[_Candidate], feet: Collection[str]) -> list[_Candidate]:
@@ -260,7 +249,7 @@ def _settled(of_type: Sequence[_Candidate], feet: Collection[str]) -> list[_Cand
     doubtful = [each for each in sure if not (is_clear and each in same)]
     ranked = sorted(of_type, key=lambda each: each.rank)
     return [
-        replace(each, rank=(_PERHAPS, *each.rank[1:])) if each in doubtful else each
+        each._replace(rank=(_PERHAPS, *each.rank[1:])) if each in doubtful else each
         for each in ranked
     ]
 
@@ -275,21 +264,6 @@ def _rank_of_topic(log: Log, topic: str, source: Source) -> tuple[int, ...]:
     # Such states have the feet relative to the base, whose own pose is zero.
     is_other |= not source.row.anything and topic.endswith("body_frame")
     return (_PERHAPS if source.row.on_request or is_other else _SURE,)
-
-
-def _in_unknown_messages(log: Log) -> Iterator[_Candidate]:
-    """Yield poses in messages of unknown types."""
-    unknown = {c.topic: c for c in log.channels.values() if source_of(c, "base") is None}
-    for topic, channel in islice(unknown.items(), _MOST_TYPES):
-        try:
-            fields = list(every_field(definition_of(channel)))
-        except DefinitionError:
-            continue
-        for path, kind in fields:
-            is_message = isinstance(kind, Struct) and "[]" not in path
-            if is_message and path.count(".") < _DEEPEST and not texts_of(path) & _OTHER_WORDS:
-                for source in _sources_at([channel], path)[0].values():
-                    yield _Candidate(topic, source, path, (_PERHAPS,))
 
 
 def _elements_of(log: Log, robot: Robot, topic: str, source: Source) -> list[_Candidate]:

@@ -192,7 +192,7 @@ def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
 def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[Finding]]:
     """Return the feet that types and names of topics tell, what else may be, and what is said.
 
-    One type of messages may tell of some feet only, and another one of the rest.
+    Of several types, the first that tells of all feet is used, else the first that tells of some.
     """
     offered: list[FootSet] = []
     part: FootSet | None = None
@@ -212,10 +212,8 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
         offered.extend(possible[:_MOST_OFFERED])
     if part is None:
         return (), offered, []
-    rest = next((one for one in offered if one.completes(part)), None) if part.missing else None
-    feet = (*part.feet, *(rest.feet if rest else ()))
-    told = [_found(feet, [one for one in others if one is not rest])]
-    for name in part.missing if rest is None else ():
+    feet, told = part.feet, [_found(part.feet, others)]
+    for name in part.missing:
         told.append(_missing("unlike", name, name))
         # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
         feet = (*feet, Foot(name, "", leg_position=leg_position(name)))

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.core.frames import frame_tree
 from dogbot_logtool.core.frames.frame_tree import FrameEdge, frame_edge
@@ -22,8 +21,7 @@ MOST_EDGES: Final = 2_000
 """Pairs of frames that are told apart; no robot has as many, and no viewer draws them."""
 
 
-@dataclass(frozen=True, slots=True)
-class Frames:
+class Frames(NamedTuple):
     """All transforms of a log, and their senders."""
 
     edges: tuple[FrameEdge, ...]

@@ -19,7 +19,7 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -55,8 +55,7 @@ Mark = tuple[int, str]
 """Points for or against feet, and the reason; empty: it need not be said."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootSet:
+class FootSet(NamedTuple):
     """Topics or fields that may be the feet of a robot, and what their names tell."""
 
     feet: tuple[Foot, ...]
@@ -103,10 +102,6 @@ class FootSet:
         ends = dict.fromkeys(["front", "back", *(end for end, _ in there)] if there else ())
         pairs = [(end, side) for end in ends for side in ("left", "right")]
         return tuple("_".join(pair) for pair in pairs if pair not in there)
-
-    def completes(self, other: "FootSet") -> bool:
-        """Tell whether these are the very feet that another set lacks, as other messages tell."""
-        return self.is_usable and sorted(foot.name for foot in self.feet) == sorted(other.missing)
 
     @property
     def rank(self) -> tuple[int, int]:

@@ -4,8 +4,8 @@ Topics are given by the robot's file or options, or found.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
+from typing import Literal, NamedTuple
 
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.options import RobotOptions
@@ -43,8 +43,7 @@ from dogbot_logtool.robot.topics import (
 from dogbot_logtool.robot.unknown import find_candidates
 
 
-@dataclass(frozen=True, slots=True)
-class Selection:
+class Selection(NamedTuple):
     """The topics of a log that are used."""
 
     robot: Robot
@@ -98,7 +97,7 @@ class Selection:
     def sources_of(self, foot: int) -> tuple[Source, ...]:
         """Return how the contact messages are read that tell of a foot."""
         own = tuple(c for c in self.contacts if foot in self.feet_of[c.id])
-        return replace(self, contacts=own).sources
+        return self._replace(contacts=own).sources
 
     def wanted(self) -> Wanted:
         """Return what is read of base, feet and frames."""

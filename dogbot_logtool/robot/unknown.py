@@ -15,8 +15,8 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Primitive, Text
-from dogbot_logtool.reader.decode.paths import every_field, is_vector, path_of
+from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Primitive
+from dogbot_logtool.reader.decode.paths import every_field, is_vector
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.messages import definition_of
@@ -24,12 +24,12 @@ from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.robot.names import FootSet, Mark, leg_position, name_feet
-from dogbot_logtool.robot.topics import first_messages, has_field, message_count
+from dogbot_logtool.robot.topics import has_field, message_count
 from dogbot_logtool.robot.words import MERITS, Part, parts_of, texts_of, word_set, words_of
 
 CONTACT_WORDS: Final = word_set("contact contacts grf stance touch touches ground")
 FORCE_WORDS: Final = word_set(
-    "cell effort force forces fsr ft fz load loadcell loadcells loads pressure torque weight "
+    "cell force forces fsr ft fz load loadcell loadcells loads pressure torque weight "
     "wrench wrenches"
 )
 _OTHER_PART: Final = 4
@@ -72,18 +72,15 @@ _MOST_CHANGES: Final = 0.2
 """Changes a sample from which a bit is no foot's: those of a number change with each message."""
 _BIT_WORDS: Final = CONTACT_WORDS | {"bits", "bitmask", "mask"}
 _OTHER_WORDS: Final = word_set(
-    "acc acceleration accel angle angular covariance current gain header height linear orientation "
-    "pos pose position positions quat stamp temperature time torque twist vel velocity voltage"
+    "acc acceleration accel angle angular covariance current effort gain header height linear "
+    "orientation pos pose position positions quat stamp temperature time torque twist vel "
+    "velocity voltage"
 )
-"""Words of fields that are no contact. So is an effort, unless the strings beside it name feet."""
-_JOINT: Final = word_set("ankle drive hip joint knee motor servo")
-"""Words of names that are a joint's, whose effort is no foot's force."""
+"""Words of fields that are no contact."""
 _DIFFER: Final = {"corners": "front and back, left and right", "sides": "left and right"}
 _LEGS: Final = frozenset({Part.FOOT, Part.LEG})
 _Kinds = Mapping[str, FieldType]
 """The fields of a definition, by path."""
-_Named = tuple[FootSet, Collection[str]]
-"""Fields as feet, and their names."""
 
 
 def find_candidates(log: Log) -> list[FootSet]:
@@ -111,24 +108,31 @@ def _named_sets(log: Log) -> Iterator[FootSet]:
         if channel.type_name and source_of(channel, "feet") is None:
             by_type.setdefault(channel.type_name, {}).setdefault(channel.topic, channel)
     for type_name, channels in by_type.items():
-        fields: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
-        rows: list[_Named] = []
-        for topic, channel in sorted(channels.items()):
-            try:
-                kinds = dict(every_field(definition_of(channel)))
-            except DefinitionError:
-                continue
-            for path, is_a in _likely_fields(kinds, f"{topic} {type_name}"):
-                labels = _labels_beside(log, channel, path, kinds)
-                fields[is_a] |= _single_fields(topic, path, is_a, labels)
-                rows += () if labels else _rows_of_fields(topic, path, is_a, kinds)
-        siblings = (each for own in fields.values() for each in _siblings(own))
-        for one, names in (*siblings, *rows):
+        for one in _sets_of_type(channels, type_name):
             slowest = min(message_count(log, topic) for topic in one.topics)
-            marks = list(name_marks(names, type_name, mean_rate_hz(slowest, span_ns)))
+            names, rate_hz = [foot.word for foot in one.feet], mean_rate_hz(slowest, span_ns)
+            marks = list(name_marks(names, type_name, rate_hz))
             if one.kind != "elements":
                 marks.append((1, f"they differ in {_DIFFER.get(one.kind, 'one word')} only"))
-            yield replace(one, type_name=type_name, marks=tuple(marks))
+            yield one._replace(type_name=type_name, marks=tuple(marks))
+
+
+def _sets_of_type(channels: Mapping[str, Channel], type_name: str) -> Iterator[FootSet]:
+    """Yield likely fields of one type of messages that are siblings, or elements of one field."""
+    fields: dict[str, dict[str, Foot]] = {"vector": {}, "integer": {}, "number": {}}
+    for topic, channel in sorted(channels.items()):
+        try:
+            kinds = dict(every_field(definition_of(channel)))
+        except DefinitionError:
+            continue
+        for path, is_a in _likely_fields(kinds, f"{topic} {type_name}"):
+            name = f"{topic}/{path.replace('.', '/')}"
+            if "[]" not in path:
+                fields[is_a][name] = _field(name, topic, path, is_a)
+            if row := _elements(topic, path, is_a, kinds):
+                yield FootSet(row, "elements")
+    for own in fields.values():
+        yield from _siblings(own)
 
 
 def _likely_fields(kinds: _Kinds, around: str) -> Iterator[tuple[str, str]]:
@@ -143,91 +147,40 @@ def _likely_fields(kinds: _Kinds, around: str) -> Iterator[tuple[str, str]]:
         texts = own | near
         if own & _OTHER_WORDS or is_part:
             continue
-        if is_vector(kind) and texts & (FORCE_WORDS | {"grf"}) and "torque" not in own:
+        if is_vector(kind) and texts & (FORCE_WORDS | {"grf"}):
             yield path, "vector"
         is_told = texts & (CONTACT_WORDS | FORCE_WORDS) or (near_parts | parts_of([path])) & _LEGS
         if isinstance(kind, Primitive) and is_told:
             yield path, "integer" if kind.dtype[0] in "iu" else "number"
 
 
-def _labels_beside(log: Log, channel: Channel, path: str, kinds: _Kinds) -> tuple[str, ...]:
-    """Return the strings beside the elements of an array, in them or in an array beside it.
-
-    They are the same in all of the first messages, and each element has another one; else none.
-    """
-    array = path.partition("[]")[0]
-    inside, beside = f"{array}[].", array.rpartition(".")[0]
-    texts = [
-        each
-        for each, kind in kinds.items()
-        if isinstance(kind, Text) and each.count("[]") == path.count("[]") == 1
-        if each.startswith(inside) or (each.endswith("[]") and each.rpartition(".")[0] == beside)
-    ]
-    for text in sorted(texts, key=lambda each: not each.startswith(inside)):
-        beside_it, rows = path_of(text, "text", definition_of(channel)), set[tuple[str, ...]]()
-        for messages in first_messages(log, channel, beside_it.columns):
-            message, strings = beside_it.texts(messages.table)
-            code, names = strings.encode()
-            ends = np.cumsum(np.bincount(message, minlength=1))[:-1]
-            for row in np.split(code[np.argsort(message, kind="stable")], ends):
-                rows.add(tuple(names[each] for each in row.tolist()))
-        labels = rows.pop() if len(rows) == 1 else ()
-        if all(labels) and len(labels) == len(set(labels)) > 0:
-            return labels
-    return ()
-
-
 def _field(name: str, topic: str, path: str, is_a: str) -> Foot:
     """Return a field as a foot; what integers are read as is said until their content tells."""
     field = FootField(path, kind="contact" if is_a == "integer" else "")
-    return Foot(name, topic, leg_position=leg_position(name), field=field)
+    return Foot(name, topic, field=field)
 
 
-def _single_fields(topic: str, path: str, is_a: str, labels: Sequence[str]) -> dict[str, Foot]:
-    """Return a field, or the elements of an array that have strings beside them, by their names."""
-    is_effort = "effort" in texts_of(path)
-    paths: dict[str, str] = {}
-    if "[]" not in path and not is_effort:
-        paths[f"{topic}/{path.replace('.', '/')}"] = path
-    for number, label in enumerate(labels):
-        # Most efforts are those of joints.
-        is_foot = bool(parts_of([label]) & _LEGS) and not texts_of(label) & _JOINT
-        if is_foot or not is_effort:
-            name = f"{topic}/{label}/{path.replace('[]', '')}"
-            paths[name] = path.replace("[]", f"[{number}]")
-    return {name: _field(name, topic, each, is_a) for name, each in paths.items()}
-
-
-def _rows_of_fields(topic: str, path: str, is_a: str, kinds: _Kinds) -> Iterator[_Named]:
-    """Yield elements of an array, or bits of an integer; how many feet there are, messages tell."""
-    texts, name = texts_of(topic, path), f"{topic}/{path.replace('.', '/')}"
-    array = kinds[path.partition("[]")[0]]
-    rows: list[list[str]] = []
+def _elements(topic: str, path: str, is_a: str, kinds: _Kinds) -> tuple[Foot, ...]:
+    """Return elements of an array, or bits of an integer; messages tell how many are feet."""
+    paths: list[str] = []
     if path.count("[]") == 1:
-        # Numbers may be those of forces, or of forces and torques; the third is along z.
-        for step in (1,) if is_a == "vector" else (1, 3, 6):
-            size = array.length if isinstance(array, FixedArray) else (_MOST_FEET + 1) * step
-            if size % step == 0 and _FEWEST_FEET <= size // step <= _MOST_FEET + 1:
-                numbers = range(2 if step > 1 else 0, size, step)
-                rows.append([path.replace("[]", f"[{number}]") for number in numbers])
-    elif "[]" not in path and is_a == "integer" and texts & _BIT_WORDS:
-        rows.append([f"{path}&{1 << bit}" for bit in range(_MOST_FEET)])
-    for row in rows if "effort" not in texts else ():
-        feet = (_field(f"foot_{n}", topic, each, is_a) for n, each in enumerate(row))
-        yield FootSet(tuple(feet), "elements"), [name]
+        array = kinds[path.partition("[]")[0]]
+        size = array.length if isinstance(array, FixedArray) else _MOST_FEET + 1
+        if _FEWEST_FEET <= size <= _MOST_FEET + 1:
+            paths = [path.replace("[]", f"[{number}]") for number in range(size)]
+    elif "[]" not in path and is_a == "integer" and texts_of(topic, path) & _BIT_WORDS:
+        paths = [f"{path}&{1 << bit}" for bit in range(_MOST_FEET)]
+    return tuple(_field(f"foot_{n}", topic, each, is_a) for n, each in enumerate(paths))
 
 
-def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Named]:
+def _siblings(fields: Mapping[str, Foot]) -> Iterator[FootSet]:
     """Yield fields of which each may be a foot: by their names' legs, else by any one word."""
     chosen, others = name_feet(fields, contacts_only=True)
     sets = [one for one in (chosen, *others) if one and one.kind != "alone"]
     for one in sets:
-        feet = []
-        for foot in one.feet:
-            position = foot.leg_position or leg_position(foot.name)
-            own = fields[foot.topic]
-            feet.append(replace(foot, topic=own.topic, field=own.field, leg_position=position))
-        yield replace(one, feet=tuple(feet)), one.topics
+        told = [(foot, fields[foot.topic]) for foot in one.feet]
+        feet = [replace(foot, topic=own.topic, field=own.field) for foot, own in told]
+        yield one._replace(feet=tuple(feet))
     groups: dict[tuple[str, ...], dict[str, str]] = {}
     for name in sorted(fields)[:_MOST_NAMES]:
         words = [word.text for word in words_of(name)]
@@ -240,9 +193,9 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[_Named]:
             feet = []
             for word in sorted(group, key=lambda each: (int(each) if each.isdigit() else 0, each)):
                 name = f"foot_{word}" if word.isdigit() else word
-                position = leg_position(name)
-                feet.append(replace(fields[group[word]], name=name, leg_position=position))
-            yield FootSet(tuple(feet), "one word"), group.values()
+                own = fields[group[word]]
+                feet.append(replace(own, name=name, leg_position=leg_position(name)))
+            yield FootSet(tuple(feet), "one word")
 
 
 # By content
@@ -321,21 +274,18 @@ def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
     marks = [*_in_time(down), *(() if are_states else _of_loads(signed))]
     if sum(points for points, _ in marks) <= 0:
         marks.append((-_NEVER, "no foot reads so"))
-    thresholds, is_contact = [0.0] * len(feet), are_states
     is_number = not are_states and not any(each.force[:, :2].any() for each in feet)
     low, high = percentiles_of(values, _ENDS, axis=0)
     if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
-        thresholds, is_contact = (low + _ON * (high - low)).tolist(), True
-        marks.append((0, "none reads near zero without load: they tell contact, not newtons"))
+        marks.append((-_NEVER, "none reads near zero without load"))
     marks.append((1 if len(feet) in _USUAL_FEET else -1, ""))
-    kind = "contact" if is_contact else "force"
+    kind = "contact" if are_states else "force"
     told = []
-    for foot, threshold in zip(named.feet, thresholds, strict=False):
-        if foot.field:
-            # It is said only where the type of the field would say something else.
-            said = "" if kind == (foot.field.kind or "force") else kind
-            told.append(replace(foot, field=replace(foot.field, kind=said, threshold=threshold)))
-    return replace(named, feet=tuple(told), marks=(*named.marks, *marks))
+    for foot, field in [(each, each.field) for each in named.feet[: len(feet)] if each.field]:
+        # It is said only where the type of the field would say something else.
+        said = "" if kind == (field.kind or "force") else kind
+        told.append(replace(foot, field=replace(field, kind=said)))
+    return named._replace(feet=tuple(told), marks=(*named.marks, *marks))
 
 
 def _side_by_side(feet: Sequence[Samples]) -> Floats:
@@ -364,8 +314,6 @@ def _in_time(down: Flags) -> Iterator[Mark]:
         yield -2, "all are the same signal"
     elif some >= _FEWEST_DOWN and every < some:
         yield 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
-    else:
-        yield 0, f"at least one is on {some:.0%} of the time"
 
 
 def _of_loads(signed: Floats) -> Iterator[Mark]:
@@ -377,8 +325,6 @@ def _of_loads(signed: Floats) -> Iterator[Mark]:
         own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
         if spread <= _STEADY and own >= _UNSTEADY * spread:
             yield 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
-        else:
-            yield 0, f"their sum varies by {spread:.0%}"
     low, high = percentiles_of(signed, _TENTH, axis=0)
     smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
     if ((low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)).any():

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
@@ -44,8 +44,7 @@ class Found:
     """It was found in a directory, not named."""
 
 
-@dataclass(frozen=True, slots=True)
-class LogSet:
+class LogSet(NamedTuple):
     """All logs of a call, each once, in the order of the words, and by name within a word."""
 
     logs: tuple[Found, ...]

@@ -7,8 +7,7 @@ other.
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, Final, Generic, Literal, Protocol, Self, TypeVar
+from typing import Any, Final, Generic, Literal, NamedTuple, Protocol, Self, TypeVar
 
 from dogbot_logtool.errors import LogtoolError
 
@@ -24,8 +23,7 @@ Command = Literal["convert", "info", "stats"]
 _PROGRESS_EVERY_S: Final = 0.2
 
 
-@dataclass(frozen=True, slots=True)
-class Failure:
+class Failure(NamedTuple):
     """The outcome of an item that could not be done."""
 
     sentence: str

@@ -1,17 +1,17 @@
 """The messages that we add: transforms, arrows, loads, support and the robot, made of columns."""
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache
 from itertools import chain
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Ints, rows_by_group
 from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages
 from dogbot_logtool.core.scene.arrows import Arrows
-from dogbot_logtool.core.scene.foot_style import short_names
+from dogbot_logtool.core.scene.feet import short_names
 from dogbot_logtool.core.scene.loads import Labels, Loads
 from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
 from dogbot_logtool.writer import described, markers
@@ -44,8 +44,7 @@ DescribedBy = tuple[str, Callable[..., Described], tuple[Hashable, ...]]
 """A topic, the function that describes its message, and what that takes."""
 
 
-@dataclass(frozen=True, slots=True)
-class WantedAnnotations:
+class WantedAnnotations(NamedTuple):
     """Which annotations an output has, and how they look."""
 
     feet: Sequence[str]

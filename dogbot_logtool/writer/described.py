@@ -4,11 +4,10 @@ Slots have the names of the columns that are drawn.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import nan
-from typing import Final
+from typing import Final, NamedTuple
 
-from dogbot_logtool.core.events.event import LEVELS, WARNING, text_of
+from dogbot_logtool.core.event import LEVELS, WARNING, text_of
 from dogbot_logtool.core.metrics import Event, Gait
 from dogbot_logtool.writer.template import Literal, Of, Slot
 
@@ -44,8 +43,7 @@ _SOURCE: Final = "dogbot_logtool"
 """The program that log panels name."""
 
 
-@dataclass(frozen=True, slots=True)
-class Described:
+class Described(NamedTuple):
     """A message in terms of ROS 2."""
 
     name: str

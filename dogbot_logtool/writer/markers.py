@@ -1,11 +1,10 @@
 """What is drawn in the world, as markers: arrows, texts, lines and balls."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.core.scene.arrows import LIFETIME_S
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.writer.described import MARKER, MARKERS, STAMP, Described, slots, time
 from dogbot_logtool.writer.template import Literal, Of, Slot
 
@@ -27,8 +26,7 @@ _HIP_COLOUR: Final = (0.36, 0.39, 0.44)
 """Colour of a leg's line at the hip; at its foot it has the foot's colour."""
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(NamedTuple):
     """How all that is drawn looks."""
 
     arrow_m: float

@@ -1,6 +1,5 @@
 """Tables of a walk, against messages decoded one by one, and against the truth of sample logs."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import ODOMETRY, contact_topic, decoded_log
 from tests.oracles.ros1_logs import mixed_contacts, write_bag
-from tests.paths import TROT, TROUBLED, WALK
+from tests.paths import TROUBLED, WALK
 
 FOOT = "front_left"
 
@@ -81,25 +80,6 @@ def test_a_stance_with_a_gap_is_cut_and_a_dead_foot_is_unknown() -> None:
     assert time[gap + 1] - time[gap] > 0.5
     assert cut.tolist() == ["gap"]
     assert set(troubled.samples("back_left")["state"]) == {"unknown"}
-
-
-def test_forces_of_a_link_are_turned_into_the_world() -> None:
-    trot = dl.measure(TROT, end=2.0)
-    truth = json.loads(TROT.with_suffix(".truth.json").read_text())
-    samples = {foot: trot.samples(foot) for foot in trot.feet}
-    time = samples["front_left"]["time_s"]
-    total = sum(np.interp(time, each["time_s"], each["force_z_n"]) for each in samples.values())
-    assert np.isfinite(total).mean() > 0.95
-    assert np.nanmedian(total) == pytest.approx(truth["robot"]["weight_n"], rel=0.01)
-
-
-def test_whole_stances_are_those_of_the_truth(walk: dl.Walk) -> None:
-    truth = json.loads(WALK.with_suffix(".truth.json").read_text())
-    stances = walk.stances
-    whole = stances["cut"] == ""
-    period, duty = truth["gait"]["period_s"], truth["gait"]["duty_factor"]
-    lasting = (stances["lift_off_s"] - stances["touchdown_s"])[whole]
-    assert lasting == pytest.approx(np.full(whole.sum(), period * duty), abs=0.005)
 
 
 def test_the_base_is_where_odometry_says(walk: dl.Walk) -> None:

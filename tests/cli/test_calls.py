@@ -8,8 +8,9 @@ import pytest
 
 from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli
+from dogbot_logtool.core.definitions import definitions
 from dogbot_logtool.gone import _EVERYWHERE
-from dogbot_logtool.option import definitions, options_of
+from dogbot_logtool.option import options_of
 from dogbot_logtool.options import COMMANDS, CommonOptions, record_of
 from tests.oracles.small_logs import first_seconds, odometry_log, string_log
 from tests.paths import TROT, TROUBLED, WALK
@@ -24,15 +25,11 @@ info --nonsense TROT | No such option '--nonsense'
 convert TROT --style loud | 'loud' is not one of 'pressure', 'force', 'classic'
 convert TROT --jobs 0 | --jobs 0: must be a whole number from 1 to 256
 convert TROT --tf-rate nan | --tf-rate nan: must be a number from 0.001 to 1e+06, or 0
-convert TROT --tf-rate 1e-11 | --tf-rate 1e-11: must be a number
 convert TROT --end inf | --end inf: must be a number of seconds
-convert TROT --mass 0 | --mass 0: must be a number from 0.001 to 1e+06
 convert TROT --foot front_left | --foot front_left: must be NAME=TOPIC[:FIELD]
 convert TROT --foot 'front left=/x' | a foot's name has letters, digits and _ only
 convert TROT --foot a=/x --foot a=/y | --foot a: is given twice
-convert TROT --foot front_left=/no/topic | /no/topic
 convert TROT --foot front_left=/dogbot/odom | /dogbot/odom
-convert TROT --odom-topic /none | /none
 convert TROT --robot unicorn | no robot is called 'unicorn'
 convert TROT --robot unicorn.toml | unicorn.toml: no such file
 convert TROT --no-copy --topics /x | --no-copy copies nothing
@@ -41,41 +38,28 @@ convert TROT -o none/x.mcap | none: no such folder
 convert no_such.bag | no_such.bag: no such file
 convert . | is a directory, not a log file, and holds no logs
 stats 'runs/*.bag' | runs/*.bag: no file has such a name
-stats '' | an empty name names no log
-stats @none.txt | @none.txt: no such file
 stats TROT --start 5 --end 2 | --end 2 is not after --start 5; it lasts from 0 to
 stats TROT --set contact_on=20 | did you mean contact_on_n
 stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE
-stats TROT --set contact_on_n=much | must be a number above 0
-stats TROT --set wrench_frame=body | must be one of auto, world, link
-stats TROT --set tare.nose=1,2,3 | the log has no such foot; it has front_left
 stats TROT --set command_topic=/none | command_topic: the log has no topic /none
 stats TROT --overwrite | --overwrite goes with --figure
 stats TROT TROUBLED --figure x.pdf | call it for each
 stats TROT --figure x.eps | must end in one of .pdf, .png, .svg
 stats TROT --figure x.svg/ | is a directory's name
-stats TROT --figure none/x.pdf | no such folder
 stats TROT --scheduler nonsense | must be an address such as tcp://host:8786
 report TROT --against WALK --join | --join and --against: choose one
 convert TROT -o x.BAG | of a ROS 1 bag, but an MCAP is written; name it x.mcap
-convert TROT TROUBLED -o x.html | of an HTML page, but an MCAP is written; name it x.mcap
-convert TROT -o x.mcap.zstd | of a compressed file, but an MCAP is written; name it x.mcap
 convert TROT -o memory://out/x.db3 | of a file of a ROS 2 bag, but an MCAP is written
 report TROT -o x.pdf | of a picture, but an HTML page is written
 check TROT | check needs one of --limits FILE.toml and --suggest
 check TROT --suggest --json | goes with none of the other outputs
-check TROT --limits none.toml | none.toml: no such file
 export TROT -o x.xlsx | x.xlsx: must end in .csv, .parquet, .arrow, .feather
 export TROT --overwrite | --overwrite goes with -o FILE
 export TROT --prune | --prune goes with --dataset
 export TROT --dataset walks --table base | --table goes without --dataset
 compare TROT | Missing argument 'ACTUAL'
-compare TROT no_such.bag | no_such.bag: no such file
 compare TROT WALK --mass 20 | --mass says how logs are measured: it goes with --gait
 compare TROT WALK --gait --atol 1 | --atol has no meaning with --gait
-compare TROT TROT --atol -1 | --atol -1: must be a number from 0
-compare TROT TROT --junit x.bag | of a ROS 1 bag, but XML
-layout -o x.mcap | of an MCAP, but JSON is written
 layout --viewer rerun | 'rerun' is not one of 'foxglove', 'rviz'
 layout -o x/ | is a directory's name
 robots unicorn | no robot is called 'unicorn'; known are
@@ -83,11 +67,7 @@ robots new | robots new: name the log
 robots new a.bag b.bag | with --join, several files of one recording
 info -o tree.gv TROT | -o is gone: results go to stdout
 convert TROT -o - | -: does not stand for stdout here
-report TROT -o '' | an empty name names no output
-stats TROT --figure - | -: does not stand for stdout here
 layout -o '' | an empty name names no output
-compare TROT TROT --junit - | -: does not stand for stdout here
-export TROT --dataset - | -: does not stand for stdout here
 """
 LOGS = {"TROT": str(TROT), "TROUBLED": str(TROUBLED), "WALK": str(WALK)}
 
@@ -111,19 +91,12 @@ info SHORT | odometry
 info SHORT --json | "container": "ROS 1 bag"
 info --frames SHORT | added by convert
 stats SHORT | Gait: trot
-stats SHORT -q --jobs 1 | Data quality
-stats SHORT --set contact_on_n=20 | Gait: trot
 stats SHORT -v | no header stamps
-stats SHORT WALK | walk
 check SHORT --suggest | [[rule]]
-export SHORT --table events | log,onset_s
 export SHORT | log,foot,start_s
-compare TROT TROT | same
-compare TROT TROT --gait | 0 of
 layout | "configById"
 layout SHORT --viewer rviz | Visualization Manager
 robots | dogbot
-robots --json | "unitree_go2"
 robots dogbot | [feet.front_left]
 robots new SHORT | [feet.front_left]
 """
@@ -177,7 +150,7 @@ def test_options_that_are_gone_say_what_to_use(shell: Shell) -> None:
     assert "export --table events" in shell("stats", TROT, "--events", "x.csv").err
 
 
-@pytest.mark.parametrize("command", ["info", "convert", "stats", "layout", "report"])
+@pytest.mark.parametrize("command", ["info", "convert", "report"])
 def test_what_is_no_log_exits_with_1(shell: Shell, command: str) -> None:
     (shell.folder / "text.bag").write_text("a walk in the park")
     (shell.folder / "empty.bag").write_bytes(b"")

@@ -90,22 +90,14 @@ def test_files_that_are_not_regular_are_refused(tmp_path: Path, kind: str) -> No
 
 INFO, COMPARE = "info --robot robot.toml LOG", "compare stats.json stats.json"
 TEXTS: Final = (
-    (INFO, "mass_kg = [\n" + "1,\n" * 5000 + "]\n", "mass_kg is [1, 1"),
-    (INFO, "strange = [\n" + "1,\n" * 5000 + "]\n", "the key strange is not known"),
     (INFO, "strange = '''\n" + '"""[\n' * 5000 + "'''\n", "the key strange is not known"),
-    (INFO, "\n" * 20_000 + "strange = 1", "the key strange is not known"),
     (INFO, "mass_kg = " + "9" * 5000, "too many digits"),
-    (INFO, "mass_kg = " + "9" * 4000, "mass_kg is 9999"),
     (INFO, "mass_kg = 0x" + "f" * 90_000, "mass_kg is too long to show"),
-    (INFO, "mass_kg = 1e999", "mass_kg is inf"),
-    (INFO, "mass_kg = " + "[" * 50_000 + "]" * 50_000, "nested too deeply"),
     (INFO, "mass_kg = " + "{a=" * 50_000, "nested too deeply"),
     (INFO, "\n" + "a." * 50_000 + "b = 1", "line 2: a key has more than 16 parts"),
-    (INFO, "\n[" + "'a' . " * 20_000 + "b]", "line 2: a key has more than 16 parts"),
     (INFO, "a" * 200_000 + " = 1", "the key aaa"),
     (INFO, "#" * 300_000, "larger than 256 kB"),
     (COMPARE, '{"a": ' + "9" * 5000 + "}", "value has 5000 digits"),
-    (COMPARE, "[" * 100_000, "nested too deeply"),
     (COMPARE, '{"a":' * 5000 + "1" + "}" * 5000, "nested too deeply"),
 )
 
@@ -182,8 +174,6 @@ def full_disk() -> Iterator[None]:
     [
         "stats TROT --figure out.png",
         "convert TROT -o out.mcap",
-        "report TROT -o out.html",
-        "export TROT --table samples -o out.csv",
     ],
 )
 @pytest.mark.usefixtures("full_disk")
@@ -197,10 +187,7 @@ def test_an_output_that_is_too_large_leaves_nothing(shell: Shell, words: str) ->
     "words",
     [
         "info NAME",
-        "stats NAME --json",
         "convert NAME -o out/",
-        "report NAME -o out/",
-        "layout NAME",
         "compare NAME NAME",
         "convert TROUBLED -o NAME",
     ],
@@ -213,9 +200,7 @@ def test_a_name_that_no_disk_takes_is_told(shell: Shell, words: str) -> None:
     assert shell.files() == []
 
 
-@pytest.mark.parametrize(
-    "words", ["convert log.mcap", "info .", "export log.mcap --dataset runs", "info log.mcap"]
-)
+@pytest.mark.parametrize("words", ["convert log.mcap", "info ."])
 def test_a_current_directory_that_was_removed_is_told(tmp_path: Path, words: str) -> None:
     folder = tmp_path / "folder"
     folder.mkdir()

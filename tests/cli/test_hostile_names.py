@@ -72,7 +72,6 @@ def _write_hostile(path: Path) -> None:
 
 ROBOT = ["--robot", f"robot{EVIL}.toml"]
 CALLS = {
-    "info": ["info"],
     "info frames": ["info", "--frames", *ROBOT],
     "stats": ["stats", "-v", *ROBOT],
     "csv": ["export", *ROBOT],
@@ -80,9 +79,7 @@ CALLS = {
     "report": ["report", "-v", "-o", "./", "--overwrite"],
     "layout": ["layout", *ROBOT],
     "compare": ["compare"],
-    "no such topic": ["convert", "--odom-topic", EVIL],
     "no such robot": ["convert", "--robot", EVIL],
-    "wrong option": ["convert", f"--{EVIL}"],
     "wrong value": ["convert", "--style", EVIL],
 }
 each_call = pytest.mark.parametrize("words", CALLS.values(), ids=CALLS)

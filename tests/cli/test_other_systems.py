@@ -154,11 +154,6 @@ def test_letters_and_line_ends_of_a_file_that_takes_stdout(logs: Path) -> None:
     assert b"\r" not in made(logs, "export", TROT.name)["stdout"]
 
 
-def test_globs_of_options_are_no_files(logs: Path) -> None:
-    made(logs, "compare", WALK.name, WALK.name, "--ignore", "*", "--topics", "d*", code=2)
-    made(logs, "stats", "*.mcap", "--json")
-
-
 def test_pages_and_tables(logs: Path) -> None:
     words = ("report", TROT.name, TROUBLED.name, "-o", "made/", "--overwrite", "--no-replay")
     assert "index.html" in made(logs, *words, "-q", again=True)

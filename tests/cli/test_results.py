@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-import os
 import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -11,7 +10,6 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pyarrow.feather
 import pyarrow.parquet as pq
-import pytest
 from mcap.reader import make_reader
 
 from tests.measured import walk_of
@@ -96,12 +94,6 @@ def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: She
     assert suites[1][0].get("name") == "it trots"
 
 
-def test_suggested_limits_pass_the_run_and_fail_another(shell: Shell) -> None:
-    (shell.folder / "limits.toml").write_text(shell("check", "--suggest", short()).out)
-    assert shell("check", "--limits", "limits.toml", short()).code == 0
-    assert shell("check", "--limits", "limits.toml", WALK).code == 1
-
-
 def test_a_baseline_is_another_run(shell: Shell) -> None:
     (shell.folder / "yesterday.json").write_text(shell("stats", "--json", short()).out)
     limits = '[[rule]]\nfigure = "feet.*.duty_factor.median"\nbaseline = { by_percent = 5 }'
@@ -151,16 +143,3 @@ def test_a_layout_and_a_robot_s_file_are_files_too(shell: Shell) -> None:
     assert shell("layout", "-o", "x.json", "--overwrite").code == 0
     (shell.folder / "mine.toml").write_text(shell("robots", "dogbot").out)
     assert shell("convert", TROUBLED, "--robot", "mine.toml", "-q").code == 0
-
-
-@pytest.mark.skipif(os.name == "nt", reason="as many bytes as a name may have")
-def test_targets_that_cannot_be_written(shell: Shell) -> None:
-    (shell.folder / "file").write_text("")
-    for target in ("file/x.mcap", "x" * 300 + ".mcap"):
-        done = shell("convert", TROUBLED, "-o", target)
-        assert done.code in {1, 2}
-        assert (done.err[:7], done.err.count("\n")) == ("error: ", 1)
-    name = "x" * 250 + ".mcap"
-    (shell.folder / name).write_text("the disk takes it")
-    assert shell("convert", TROUBLED, "-o", name, "--overwrite", "-q").code == 0
-    assert shell.files() == ["file", name]

@@ -23,8 +23,6 @@ DISTRIBUTIONS = {f"rosbags.typesys.stores.{each}" for each in ("ros1_noetic", "r
     ("words", "unneeded"),
     [
         (["--help"], HEAVY | SLOW),
-        (["--version"], HEAVY | SLOW),
-        (["stats", "--help"], HEAVY | SLOW),
         (["convert"], HEAVY | SLOW),
         (
             ["stats", "SHORT", "--json", "--jobs", "1"],
@@ -71,7 +69,6 @@ def test_without_matplotlib_it_is_said_how_to_install_it(tmp_path: Path) -> None
     ("words", "package"),
     [
         (("info", "s3://lab/walk.bag"), "upath"),
-        (("info", "@s3://lab/list.txt"), "upath"),
         (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed"),
         (("export", TROT, "--dataset", "walks"), "pyarrow"),
     ],

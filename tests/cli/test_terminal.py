@@ -12,11 +12,11 @@ from tests.paths import TROT, TROUBLED
 
 
 @pytest.mark.parametrize("logs", [[TROT], [TROT, TROUBLED]], ids=["one", "several"])
-@pytest.mark.parametrize("command", ["convert", "stats", "info"])
+@pytest.mark.parametrize("command", ["convert", "stats"])
 def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     tmp_path: Path, command: str, logs: list[Path]
 ) -> None:
-    output = {"convert": ["-o", "./", "--overwrite"], "info": ["--frames"]}.get(command, [])
+    output = {"convert": ["-o", "./", "--overwrite"]}.get(command, [])
     # What several processes do is shown by any command alike.
     jobs = ["--jobs", "1"] if len(logs) > 1 and command != "stats" else []
     words = [command, *map(str, map(first_seconds, logs)), *output, *jobs]

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 from xml.etree import ElementTree as ET
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.options.convert import ConvertOptions
 from tests.commands.conversions import codes
 from tests.oracles import state_walks, walks
@@ -20,7 +21,9 @@ from tests.oracles.recorded import TF_TYPE
 from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
 from tests.oracles.state_walks import StateWalk
 from tests.truth import physics
-from tests.truth.free_walker import KEPT_S, trot
+from tests.truth.free_walker import trot
+from tests.truth.parts import urdf
+from tests.truth.physics import KEPT_S
 
 NAMES = tuple(FEET)
 
@@ -39,16 +42,15 @@ def moved(path: Path, encoding: str) -> Frames:
     return frames
 
 
-@pytest.mark.parametrize(
-    ("encoding", "is_own"), [("foxglove", False), ("ros1", True), ("ros2", False)]
-)
+@pytest.mark.parametrize(("encoding", "is_own"), [("foxglove", False), ("ros1", True)])
 def test_links_are_where_the_engine_has_them(
     tmp_path: Path, encoding: str, *, is_own: bool
 ) -> None:
     """By the description in the log, or by one that is given instead of it."""
     file, truth = tmp_path / "dog.urdf", trot()
-    file.write_text(physics.urdf())
-    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False, described=is_own)
+    file.write_text(urdf(trot().parts))
+    described = truth if is_own else replace(truth, parts=())
+    log = physics.write_log(tmp_path / "log.mcap", described, by_transforms=False)
     given = None if is_own else file
     done = convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, urdf=given))
     assert "ROBOT_DESCRIPTION" in codes(done)
@@ -75,23 +77,23 @@ CALF: Final = (
 def test_only_joints_of_the_base_s_links_move_a_description(tmp_path: Path) -> None:
     """Nor do any, where the log has transforms of the links or joints that it does not name."""
     file, target = tmp_path / "dog.urdf", tmp_path / "out.mcap"
-    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False, described=False)
+    log = physics.write_log(tmp_path / "log.mcap", replace(trot(), parts=()), by_transforms=False)
     own = physics.write_log(tmp_path / "own.mcap", trot(), by_transforms=True)
-    for source, urdf, is_said in (
+    for source, text, is_said in (
         (log, CALF, True),
         (own, CALF, False),
-        (log, physics.urdf().replace("_joint", "_other"), False),
-        (log, physics.urdf().replace("base_link", "trunk"), True),
+        (log, urdf(trot().parts).replace("_joint", "_other"), False),
+        (log, urdf(trot().parts).replace("base_link", "trunk"), True),
     ):
-        file.write_text(urdf)
+        file.write_text(text)
         done = convert(source, target, ConvertOptions(urdf=file, end=0.5, overwrite=True))
         assert ("ROBOT_DESCRIPTION" in codes(done)) == is_said
 
 
 def test_joints_that_are_left_out_are_counted(tmp_path: Path) -> None:
     file = tmp_path / "dog.urdf"
-    file.write_text(physics.urdf().replace('axis xyz="0 1 0"', 'axis xyz="0 nan 0"', 1))
-    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False, described=False)
+    file.write_text(urdf(trot().parts).replace('axis xyz="0 1 0"', 'axis xyz="0 nan 0"', 1))
+    log = physics.write_log(tmp_path / "log.mcap", replace(trot(), parts=()), by_transforms=False)
     done = convert(log, tmp_path / "out.mcap", ConvertOptions(urdf=file))
     said = [each.text for each in done.findings if each.code == "ROBOT_DESCRIPTION"]
     assert any("joints left out of the robot description: 1 (" in each for each in said)
@@ -163,7 +165,7 @@ def place(point: Any) -> tuple[float, float, float]:
     return point.x, point.y, point.z
 
 
-@pytest.mark.parametrize("encoding", ["foxglove", "ros1", "ros2"])
+@pytest.mark.parametrize("encoding", ["foxglove", "ros2"])
 def test_lines_lead_to_the_feet_that_stand(tmp_path: Path, encoding: str) -> None:
     log = write_standing_log(tmp_path / "log.mcap")
     convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, copy=False))

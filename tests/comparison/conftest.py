@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.comparison.pairs import Pair
+from tests.comparison.recordings import Pair
 
 
 @pytest.fixture

@@ -3,8 +3,9 @@
 import math
 import random
 import struct
+import tracemalloc
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,6 @@ from mcap.writer import CompressionType, IndexType, Writer
 import dogbot_logtool as dl
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.options.compare import CompareOptions
-from tests.comparison.pairs import Pair, counts, tally
 from tests.comparison.recordings import (
     JSON,
     RAW,
@@ -24,13 +24,16 @@ from tests.comparison.recordings import (
     WITH_NUMBER,
     Message,
     Packing,
+    Pair,
     Recording,
+    counts,
     mixed,
     odometry,
     one_topic,
     recording,
     ros_kind,
     scene,
+    tally,
 )
 
 PACKINGS = [
@@ -58,21 +61,21 @@ def test_the_last_bit_among_many_is_found_and_tolerated_on_request(
     pair: Pair, encoding: str
 ) -> None:
     kind, make, path = WITH_NUMBER[encoding]
-    numbers = [i / 7 for i in range(3000)]
+    numbers = [i / 7 for i in range(300)]
     expected = one_topic(kind, *map(make, numbers))
-    numbers[1234] = math.nextafter(numbers[1234], math.inf)
+    numbers[234] = math.nextafter(numbers[234], math.inf)
     actual = one_topic(kind, *map(make, numbers))
-    before, after = 1234 / 7, numbers[1234]
+    before, after = 234 / 7, numbers[234]
     assert pair.lines(expected, actual) == [
-        f"/a[1234] t=1.234 s {path}: expected {before!r}, got {after!r} (|d| 2.84e-14)"
+        f"/a[234] t=0.234 s {path}: expected {before!r}, got {after!r} (|d| 7.11e-15)"
     ]
     one = tally(pair.compare(), "/a")
-    assert counts(one) == (3000, 3000, 2999, 0, 1, 0, 0)
-    assert (one.deviation, one.deviation_path) == (after - before, f"[1234] {path}")
+    assert counts(one) == (300, 300, 299, 0, 1, 0, 0)
+    assert (one.deviation, one.deviation_path) == (after - before, f"[234] {path}")
     for options in (CompareOptions(atol=1e-13), CompareOptions(rtol=1e-15)):
         result = pair.compare(options)
         assert result.exit_code == 0
-        assert counts(tally(result, "/a")) == (3000, 3000, 2999, 1, 0, 0, 0)
+        assert counts(tally(result, "/a")) == (300, 300, 299, 1, 0, 0, 0)
         assert result.verdict.endswith("1 within tolerance")
 
 
@@ -104,30 +107,17 @@ PAIRS: dict[str, tuple[Recording, Recording, dict[str, Any], list[str]]] = {
     "one fewer": (json_log(*FIVE), json_log(*FIVE[:2], *FIVE[3:]), {}, [
         "/a[2] t=0.002 s: missing"
     ]),
-    "one more": (json_log(*FIVE[:2], *FIVE[3:]), json_log(*FIVE), {}, ["/a[2] t=0.002 s: extra"]),
     "one fewer at the same time": (
         json_log((0, "1"), (1, "1"), (1, "2")), json_log((0, "1"), (1, "1")), {}, [
         "/a[2] t=0.001 s: missing"
-    ]),
-    "swapped": (json_log((0, "1"), (1, "[2.0]")), json_log((0, "[2.0]"), (1, "1")), {}, [
-        f"/a{AT.strip()}: expected 1, got [2.0]",
-        "/a[1] t=0.001 s: expected [2.0], got 1",
     ]),
     "swapped at one time": (
         json_log((5, "1.5"), (5, "2.5")), json_log((5, "2.5"), (5, "1.5")), {}, [
         f"/a{AT.strip()}: expected 1.5, got 2.5 (|d| 1)",
         "/a[1] t=0.000 s: expected 2.5, got 1.5 (|d| 1)",
     ]),
-    "late": (
-        scenes(12_400, 0.0213), scenes(12_400, 0.0231), {}, [
-        f"/s[9] t=12.400 s {Z}: expected 0.0213, got 0.0231 (|d| 0.0018)"
-    ]),
     "a renamed frame": (ros(odometry(1)), ros(odometry(1, frame="/world")), {}, [
         f'/a{AT}header.frame_id: expected "world", got "/world"'
-    ]),
-    "a renamed frame of ROS 2": (
-        one_topic(ros_kind(2), odometry(2)), one_topic(ros_kind(2), odometry(2, frame="w")), {}, [
-        f'/a{AT}header.frame_id: expected "world", got "w"'
     ]),
     "NaN of another kind": (
         NAN, ros(odometry(1, (ODD_NAN, 0.0, 0.0), covariance=ODD_NAN)), {}, []
@@ -140,9 +130,6 @@ PAIRS: dict[str, tuple[Recording, Recording, dict[str, Any], list[str]]] = {
         ros(odometry(1, orientation=(0.6, 0.0, 0.0, 0.8))),
         ros(odometry(1, orientation=(-0.6, 0.0, 0.0, -0.8))), {}, []
     ),
-    "turned quaternions of protobuf": (
-        one_topic(SCENE, scene()), one_topic(SCENE, scene(sign=-1.0)), {}, []
-    ),
     "a topic fewer": (json_log(*FIVE, topics="/a /b"), json_log(*FIVE), {}, [
         "/b: the topic is missing (5 messages)"
     ]),
@@ -152,14 +139,8 @@ PAIRS: dict[str, tuple[Recording, Recording, dict[str, Any], list[str]]] = {
         f"/a{AT}publish_time: expected {START}, got {START + 1}"
     ]),
     "an ignored publish time": (PUBLISHED, LATER, {"ignore": ["publish_time"]}, []),
-    "all": (THREE, CHANGED, {}, [
-        f"/{topic}{AT}{field}: expected 1, got 2" for topic in "abc" for field in ("x", "h.s")
-    ]),
     "some topics": (THREE, CHANGED, {"topics": ["/[ab]"], "ignore": ["x"]}, [
         f"/{topic}{AT}h.s: expected 1, got 2" for topic in "ab"
-    ]),
-    "ignored topics and fields": (THREE, CHANGED, {"ignore": ["/a", "h"]}, [
-        f"/{topic}{AT}x: expected 1, got 2" for topic in "bc"
     ]),
     "ignored fields of topics": (THREE, CHANGED, {"ignore": ["/a:*", "/[bc]:h.*"]}, [
         f"/{topic}{AT}x: expected 1, got 2" for topic in "bc"
@@ -176,8 +157,10 @@ def test_what_differs(pair: Pair, name: str) -> None:
 
 def test_messages_are_counted(pair: Pair) -> None:
     found = []
-    for name in ("one fewer", "one more", "turned quaternions", "NaN of another kind"):
-        pair.write(*PAIRS[name][:2])
+    fewer, more, *_ = PAIRS["one fewer"]
+    others = (PAIRS[name][:2] for name in ("turned quaternions", "NaN of another kind"))
+    for sides in ((fewer, more), (more, fewer), *others):
+        pair.write(*sides)
         found.append(counts(tally(pair.compare(), "/a")))
     assert found == [
         (5, 4, 4, 0, 0, 1, 0),
@@ -185,7 +168,7 @@ def test_messages_are_counted(pair: Pair) -> None:
         (1, 1, 0, 1, 0, 0, 0),
         (1, 1, 1, 0, 0, 0, 0),
     ]
-    pair.write(*PAIRS["one more"][:2])
+    pair.write(more, fewer)
     assert pair.compare().verdict == "different: 1 extra, of 1 topics and 4 messages"
     pair.write(*PAIRS["empty"][:2])
     assert pair.compare().verdict == "same: 0 topics, 0 messages"
@@ -251,8 +234,10 @@ def test_records_beside_the_messages(pair: Pair) -> None:
         "(records) metadata:more",
     ]
     assert lines[2].endswith('expected "force", got "classic"')
-    everything = ("profile", "metadata:*", "attachment:notes")
-    assert not pair.lines(expected, changed, CompareOptions(ignore=everything))
+    ours = ("metadata:dogbot_logtool", "metadata:more")
+    for everything in (("metadata:*", "profile", "attachment:notes"), ("(records)",)):
+        assert not pair.lines(expected, changed, CompareOptions(ignore=everything))
+    assert len(pair.lines(expected, changed, CompareOptions(ignore=ours))) == 2
     assert not pair.lines(expected, changed, CompareOptions(topics=("/*",)))
 
 
@@ -293,7 +278,7 @@ def test_damage_is_reported_and_the_rest_compared(pair: Pair, tmp_path: Path) ->
     assert tally(result, "/a").missing == 200 - tally(result, "/a").actual
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(5))
 def test_counts_agree_with_a_naive_pairing(pair: Pair, seed: int) -> None:
     chance = random.Random(seed)  # noqa: S311 - no cryptography
     kinds = dict.fromkeys(("/a", "/b", "/c"), RAW)
@@ -328,3 +313,29 @@ def by_place(messages: Iterable[tuple[str, int, bytes]]) -> dict[tuple[str, int,
         places[topic, time, seen[topic, time]] = data
         seen[topic, time] += 1
     return places
+
+
+def shuffled(messages: Sequence[Message]) -> list[Message]:
+    """Bring the times, each with its messages, into another order."""
+    chance = random.Random(5)  # noqa: S311 - no cryptography
+    places = {time: chance.random() for time in sorted({each.time for each in messages})}
+    return sorted(messages, key=lambda message: places[message.time])
+
+
+@pytest.mark.parametrize("indexed", [True, False])
+def test_memory_does_not_grow_with_the_file(pair: Pair, *, indexed: bool) -> None:
+    """Times lie as far apart as they can, and some of them hold more than is read at once."""
+    payloads = [struct.pack("<Q", number) * 12_500 for number in range(400)]
+    times = [0, START, 2**61, 2**63 - 2, 2**63 - 1]
+    messages = [Message("/a", times[n // 80], data) for n, data in enumerate(payloads)]
+    whole = Recording({"/a": RAW}, shuffled(messages))
+    whole.write(pair.expected, Packing(chunk_size=300_000, summary=indexed))
+    messages[399] = replace(messages[399], data=payloads[399] + b"x")
+    replace(whole, messages=messages).write(pair.actual, Packing(CompressionType.LZ4, 300_000))
+    tracemalloc.start()
+    result = pair.compare()
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert [each.index for each in result.differences] == [399]
+    assert counts(tally(result, "/a")) == (400, 400, 399, 0, 1, 0, 0)
+    assert peak < 35_000_000

@@ -30,14 +30,10 @@ def other(old: str, new: str) -> str:
 
 SAME: list[tuple[str, str, dict[str, Any]]] = [
     *((text, text, {}) for text in ("[1, 1.5, NaN, Infinity, true, null, {}, []]", Q, STATS)),
-    ('{"a": 1}', '{"a": 1.0}', {}),
     ("[NaN]", "[NaN]", {}),
-    (f"[{10**400}]", f"[{10**400}]", {}),
     (f'{{"q": {Q}}}', f'{{"q": {TURNED}}}', {}),
     (f'{{"q": {Q}}}', f'{{"q": {TURNED.replace("0.2", "9.0")}}}', {"ignore": ["q.y"]}),
-    (f'{{"q": {Q}, "a": 1}}', '{"q": {}, "a": 1}', {"ignore": ["q"]}),
     ('{"h": {"s": 1}, "v": 1}', '{"h": {"s": 2}, "v": 1}', {"ignore": ["h.s"]}),
-    ('{"h": {"s": 1}, "v": 1}', '{"h": {}, "v": 1}', {"ignore": "h:h.*"}),
     ("[1.0]", "[1.5]", {"atol": 0.5}),
     ("[2.0]", "[1.0]", {"rtol": 0.5}),
     # What says where metrics come from is never compared.
@@ -45,10 +41,9 @@ SAME: list[tuple[str, str, dict[str, Any]]] = [
     (f"[{STATS}]", f"[{other('/one/walk.bag', '/other/run.bag')}]", {}),
     *(
         (STATS, other("0.7, ", "0.9, "), {"ignore": [glob]})
-        for glob in ("*duty*", "feet.*.duty.median", "feet.left.duty", "*.median")
+        for glob in ("*duty*", "feet.*.duty.median", "feet.left.duty")
     ),
     (STATS, other('"n": 12', '"n": 13'), {"topics": ["strides", "l*"]}),
-    ('{"losses": [], "a": 1}', '{"losses": [], "a": 2}', {"topics": "losses"}),
 ]
 
 
@@ -62,27 +57,17 @@ DIFFERENT: list[tuple[str, str, dict[str, Any], list[str]]] = [
     ('{"a": 1}', '{"a": 1.5}', {}, ["a: expected 1, got 1.5 (|d| 0.5)"]),
     ('{"a": 1}', '{"a": 2}', {"atol": 9.0, "rtol": 1.0}, ["a: expected 1, got 2"]),
     ('{"a": true}', '{"a": 1}', {"atol": 9.0}, ["a: expected true, got 1"]),
-    ('{"a": null}', '{"a": 0}', {}, ["a: expected null, got 0"]),
     ('{"a": 1}', '{"a": "1"}', {}, ['a: expected 1, got "1"']),
-    ('{"a": []}', '{"a": {}}', {}, ["a: expected [], got {}"]),
-    ('{"a": NaN}', '{"a": 1.0}', {"rtol": 1.0}, ["a: expected nan, got 1.0"]),
     ('{"a": Infinity}', '{"a": 1e308}', {"rtol": 1.0}, ["a: expected inf, got 1e+308"]),
     (f'{{"a": {2**53}}}', f'{{"a": {2**53 + 1}}}', {}, [f"a: expected {2**53}, got {2**53 + 1}"]),
     ("[1.0]", "[2.0]", {"rtol": 0.5}, ["[0]: expected 1.0, got 2.0 (|d| 1)"]),
-    ('{"a": 0.1}', '{"a": 0.10000000000000002}', {}, [
-        "a: expected 0.1, got 0.10000000000000002 (|d| 1.39e-17)"
-    ]),
     ('{"a": [1, {"b": null}], "d": 1}', '{"e": 1, "a": [1.0, {"b": false}]}', {}, [
         "a[1].b: expected null, got false",
         "d: expected 1, got nothing",
         "e: expected nothing, got 1",
     ]),
-    ('{"a": [1, 2, 3]}', '{"a": [1]}', {}, ["a: expected 3 elements, got 1 elements"]),
     ('{"a": {"b": {"c": 1, "d": [1, 2]}}}', '{"a": {}}', {}, [
         'a.b: expected {"c": 1, "d": [1, 2]}, got nothing'
-    ]),
-    (f'{{"q": {Q}}}', f'{{"q": {Q.replace("0.1", "0.6")}}}', {}, [
-        "q.x: expected 0.1, got 0.6 (|d| 0.5)"
     ]),
     # As a whole: single components of q against -q would puzzle.
     (f'{{"q": {Q}}}', f'{{"q": {TURNED.replace("-0.1", "-0.6")}}}', {}, [
@@ -100,13 +85,7 @@ DIFFERENT: list[tuple[str, str, dict[str, Any], list[str]]] = [
     (STATS, other("0.7, ", "0.9, "), {"topics": ["f*"]}, [
         "feet.left.duty.median: expected 0.7, got 0.9 (|d| 0.2)"
     ]),
-    (STATS, other("1.1", "1.2"), {"topics": ["strides"]}, [
-        "strides[1].period_s: expected 1.1, got 1.2 (|d| 0.1)"
-    ]),
     (STATS, other("100", "9"), {}, ["log.messages: expected 100, got 9"]),
-    ('{"losses": []}', '{"losses": ["x"]}', {"topics": "losses"}, [
-        "losses: expected 0 elements, got 1 elements"
-    ]),
 ]  # fmt: skip
 
 
@@ -120,15 +99,10 @@ def test_what_differs(
 
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
     (STATS, {"topics": "nothing"}, f"--topics {NO_VALUE}: nothing"),
-    *((STATS, {"ignore": each}, f"--ignore {NO_VALUE}") for each in (["*"], ["*.*", "*"])),
     (STATS, {"ignore": ["feet", "tool", "log", "strides*"]}, f"--ignore {NO_VALUE}"),
-    (f"[{STATS}]", {"ignore": "*"}, f"--ignore {NO_VALUE}"),
     (STATS, {"topics": "feet.left"}, f"--topics {NO_VALUE}: feet.left"),
-    (f"[{STATS}]", {"topics": "feet"}, f"--topics {NO_VALUE}: feet"),
     ('{"log": {"path": "1"}, "a": 1}', {"topics": "log"}, f"--topics {NO_VALUE}"),
-    (STATS, {"topics": "feet", "ignore": "feet"}, NO_VALUE),
     (STATS, {"atol": -1.0}, "atol=-1.0: must be a number from 0"),
-    (STATS, {"rtol": float("nan")}, "rtol=nan: must be a number"),
     ('{"a": ', {}, "is not JSON"),
     ("[" * 100_000, {}, "is nested too deeply"),
     (f"{'[' * 990}1{']' * 990}", {"ignore": "x"}, "is nested too deeply"),
@@ -168,11 +142,9 @@ fields = ["position.angle", "/other:*"]
         ("force_n", "100.0", "111.0", False),
         ("a.count", "100", "109", True),  # integers are exact unless a quantity names them
         ("a.count", "100", "111", False),
-        ("a.count", f"{10**400}", f"{10**400 + 3}", True),
         ("a.count", "true", "false", False),
         ("speed", "1.0", "1.0000000001", True),
         ("speed", "1.0", "1.00001", False),
-        ("number", "1", "2", False),
     ],
 )
 def test_each_quantity_has_its_tolerance(
@@ -195,14 +167,10 @@ def test_each_quantity_has_its_tolerance(
     [
         ("a = 1", r"a must be a table: \[a\]"),
         ("[metres]\natol = 1", "metres.fields must be a list of globs"),
-        ("[metres]\nfields = 'x'", "metres.fields must be a list of globs"),
-        ("[metres]\nfields = [1]", "metres.fields must be a list of globs"),
         ("[metres]\nfields = ['x']\nato = 1", "metres.ato: not known"),
         ("[default]\nfields = ['x']", "default.fields: not known"),
         ("[metres]\nfields = ['x']\natol = -1", "metres.atol is -1"),
-        ("[metres]\nfields = ['x']\natol = nan", "metres.atol is nan"),
         ("[metres]\nfields = ['x']\nrtol = 'a'", "metres.rtol is 'a'; it must be a number"),
-        ("[metres]\nfields = ['x']\nrtol = true", "metres.rtol is True; it must be a number"),
         ("[metres", "not valid TOML"),
     ],
 )

@@ -1,19 +1,27 @@
 """Runs with known differences: which are found, and what keeps runs from being compared."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.comparison.walks import (
     MetricDifference,
+    compare_walks,
     doubts,
     metric_differences,
     why_not_comparable,
 )
 from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import SOUND
 from dogbot_logtool.results import Figures, StrideTable
+from tests.truth import sensor_faults
+from tests.truth.log_file import write_log
+from tests.truth.recording import disturbed
+from tests.truth.walking import Walk as TrueWalk
 
 STEP_S = 0.002
 
@@ -94,18 +102,6 @@ def test_feet_of_one_side_only_are_not_compared() -> None:
     assert metric_differences([run(1)], [other]) == []
 
 
-def test_groups_are_as_their_strides_together() -> None:
-    one, other = run(3, strides=20), run(4, strides=20)
-    (left, *_) = metric_differences([one, other], [run(5)])
-    assert left.strides == (40, 40)
-
-
-def test_it_is_the_same_every_time() -> None:
-    forces = (np.random.default_rng(each).normal(150.0, 7.0, 40) for each in (1, 2))
-    sides = [[of(("left",) * 40, {"peak_force_n": each})] for each in forces]
-    assert metric_differences(*sides) == metric_differences(*sides) != []
-
-
 def log(
     gait: str | None = "trot",
     speed: float | None = 0.5,
@@ -143,11 +139,23 @@ def test_a_difference_is_named(other: dict[str, Any], says: str) -> None:
     assert why_not_comparable([log()], [other]) == [says]
 
 
-def test_an_unknown_speed_keeps_nothing_from_being_compared() -> None:
-    assert why_not_comparable([log(speed=None)], [log()]) == []
-
-
 def test_checks_that_failed_are_doubts() -> None:
     bad = log()
     bad["quality"]["checks"].append({"name": "one clock", "outcome": "failed"})
     assert list(doubts([log(), bad])) == ["a.bag: one clock does not hold"]
+
+
+def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
+    faults = (sensor_faults.as_force_sensors, sensor_faults.noise(1.0))
+    log = write_log(
+        disturbed(TrueWalk(seconds=20.0).recorded(200.0, 100.0), *faults), tmp_path / "log.mcap"
+    )
+    halves = [
+        figures(log, options=MeasureOptions(mass=20.0, start=start, end=end))
+        for start, end in ((0.0, 10.0), (10.0, 20.0))
+    ]
+    found = compare_walks(*([half] for half in halves))
+
+    assert found.reasons == ()
+    assert found.differing == ()
+    assert len(found.differences) > 20

@@ -28,8 +28,6 @@ DEFINITIONS: Final = {
     "odd_msgs/msg/Soles": "".join(f"float32 {cell}\n" for cell in CELLS),
     "odd_msgs/msg/Pad": "string name\nfloat64 load\n",
     "odd_msgs/msg/Pads": "odd_msgs/Pad[] pads\n",
-    "odd_msgs/msg/Limb": "string name\ngeometry_msgs/Vector3 grf\nfloat64[3] q\n",
-    "odd_msgs/msg/Limbs": "geometry_msgs/Pose base_pose\nodd_msgs/Limb[] legs\n",
     "odd_msgs/msg/Tips": "string[] name\ngeometry_msgs/Wrench[] wrench\n",
     "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
     "odd_msgs/msg/State": (
@@ -124,16 +122,12 @@ def four_cells_a_foot(path: Path) -> Path:
     return _write(path, samples)
 
 
-def labelled(path: Path, labels: Sequence[str], topic: str, *, kind: str = "Tips") -> None:
-    """Write limbs that walk in turns, called by strings in the elements or beside the array."""
+def wrenches(path: Path, topic: str) -> None:
+    """Write four limbs that walk in turns, called by strings beside the array of wrenches."""
 
     def samples(time_s: float) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
-        forces = [(0, 0, load_n(time_s, foot)) for foot in range(len(labels))]
-        fields: dict[str, Any] = {"name": list(labels), "wrench": [[each] for each in forces]}
-        if kind == "Limbs":
-            legs = list(zip(labels, forces, strict=True))
-            fields = {"base_pose": [(0.0, 0.0, 0.5)], "legs": legs}
-        yield topic, f"odd_msgs/msg/{kind}", fields
+        forces = [[(0, 0, load_n(time_s, foot))] for foot in range(4)]
+        yield topic, "odd_msgs/msg/Tips", {"name": list("abcd"), "wrench": forces}
 
     _write(path, samples)
 

@@ -1,7 +1,7 @@
 """MCAP files that are harmed in one place each."""
 
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 from tests.reader import mcap_bytes
 from tests.reader.cases import (
@@ -69,27 +69,18 @@ def mcaps_with_a_wrong_summary() -> Iterator[Case]:
         for shift in (-(10**9), 10**9):
             wrong = put(data, data.rindex(u64(each)), u64(each + shift))
             yield Case("times in statistics", mcap, resealed(wrong, mcap), ANY)
-    small, data = built(small_mcap(chunks=2, each=3))
-    for first in small.chunk_ends:
-        # The chunk index tells the channels' places the wrong way round, in two chunks.
-        second = first + int.from_bytes(data[first + 1 : first + 9], "little") + 9
-        at = data.rindex(u64(first)), data.rindex(u64(second))
-        data = put(put(data, at[0], u64(second)), at[1], u64(first))
-    what = f"the chunk at byte {small.chunk_starts[0]} holds 2 messages of channel 1 "
-    yield Case("counts that hold in sum", small, resealed(data, small), what)
-    for stated in ({1: 5, 2: 7}, {1: 12}, {1: 6, 2: 900}, {1: 6, 2: 6, 3: 1}):
+    for stated in ({1: 5, 2: 7}, {1: 6, 2: 900}, {1: 6, 2: 6, 3: 1}):
         case = built(small_mcap(), stated_counts=stated)
         lost = None if sum(stated.values()) > 12 else 0
-        yield Case(f"statistics {stated}", *case, "the summary counts", number=lost)
-    for indexed in (False, True):
-        options: dict[str, Any] = {"message_index": indexed, "stated_counts": {1: 12}}
-        described = schema(1) + channel(1, "/left")
-        case = built(small_mcap(), described_in_summary=described, **options)
-        yield Case("a channel less", *case, ANY)
-        for compression in mcap_bytes.CODECS:
-            log = small_mcap(compression)
-            case = built(log, message_index=indexed, described_in_summary=SWAPPED)
-            yield Case("swapped", *case, "channel 1 is described in two ways: as /left and, at ")
+        yield Case(f"statistics {stated}", *case, "the summary", number=lost)
+    described = schema(1) + channel(1, "/left")
+    case = built(small_mcap(), stated_counts={1: 12}, described_in_summary=described)
+    yield Case("a channel less", *case, ANY)
+    log, data = built(small_mcap(), described_in_summary=SWAPPED)
+    what = (
+        f"2 is described in two ways: as /left and, at byte {log.chunk_starts[0]}, as /right; the "
+    )
+    yield Case("swapped", log, data, what, tuple(range(12)), either=True, number=0)
     extra = built(small_mcap(), between={1: attachment("notes", b"muddy ground")})
     yield Case("attachment", *extra, "the summary contradicts itself or the chunks")
 
@@ -102,9 +93,12 @@ def mcaps_with_damaged_chunks(compression: str) -> Iterator[Case]:
         log, plain = built(small_mcap(compression), data_crc=False, summary=summary)
         what = f"the chunk at byte {start} was left out: its checksum does not hold"
         yield Case("checksum", log, flipped(plain, start + 9 + 24, 1), what, SECOND_CHUNK)
-    for field in (0, 1, 9, 17, 25, 37):
+    for field in (0, 1, 9, 17):
         what = f"the header of the chunk at byte {start}"
         yield Case(f"head {field}", mcap, flipped(data, start + field, 2), what, whole=middle)
+    for field in (25, 37):
+        harmed = flipped(data, start + field, 2)
+        yield Case(f"head {field}", mcap, harmed, ANY, SECOND_CHUNK, either=True, number=None)
     for wrong in (0, 1, 50, 2**40):
         log, sealed = built(small_mcap(compression))
         at = sealed.index(u64(start), log.summary_start)
@@ -116,9 +110,6 @@ def mcaps_with_damaged_chunks(compression: str) -> Iterator[Case]:
     yield Case("time in index", mcap, flipped(data, end + 9 + 6, 1), what, whole=middle)
     for offset in (10**6, 2**63 - 1, 2**63, 2**64 - 1):
         yield Case("offset in index", mcap, put(data, end + 9 + 6 + 8, u64(offset)), what)
-    if compression == "":
-        payload = data.replace(b"payload12", b"payload92")
-        yield Case("payload", mcap, payload, ANY, SECOND_CHUNK)
     for named in ("", "lz4", "none"):
         for crc in (True, False) if named != compression else ():
             case = built(small_mcap(compression), chunk_crc=crc, indexed_as=named)

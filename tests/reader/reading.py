@@ -1,11 +1,12 @@
 """Reads a log to its end through the public surface of the reader, for tests."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from dogbot_logtool.reader.containers.log import Extra, LoadedChunk
+from dogbot_logtool.reader.containers.log import Extra, LoadedChunk, wrong_statistics
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.opening import open_log
 
@@ -52,8 +53,8 @@ def read_file(path: Path) -> Reading:
         losses = list(log.losses)
         chunks: list[LoadedChunk] = []
         chunk_rows: list[slice] = []
-        for span in log.spans():
-            batch = log.read(span)
+        batches = [log.read(span) for span in log.spans()]
+        for batch in batches:
             losses.extend(batch.losses)
             chunks.extend(batch.chunks)
             chunk_rows.extend(
@@ -69,6 +70,8 @@ def read_file(path: Path) -> Reading:
                 )
                 for row in range(len(rows))
             )
+        found = Counter(number for batch in batches for number in batch.messages.channel.tolist())
+        losses += wrong_statistics(log, found, losses)
         counts: dict[str, int] = {}
         for number, count in log.counts.items():
             topic = log.channels[number].topic

@@ -59,18 +59,8 @@ def makers() -> Iterator[tuple[str, Maker]]:
     for kind in ("Reading", "Counts", "Touch"):
         yield f"fields in {kind}", partial(field_logs.six_feet, kind=f"odd_msgs/msg/{kind}")
     yield "cells", field_logs.four_cells_a_foot
-    quadruped, hexapod = ("FL", "FR", "RL", "RR"), [f"{r}{s}_tip" for s in "RL" for r in "ABC"]
-    yield "limbs", partial(field_logs.labelled, labels=quadruped, topic="/state", kind="Limbs")
-    for labels, topic in (
-        (hexapod, "/state"),
-        (("left_foot", "right_foot"), "/state"),
-        (("left_hand", "right_hand"), "/state"),
-        ("abcd", "/wheel_loads"),
-        ("abcd", "/gripper/finger_force"),
-        ("abcd", "/drill/contacts"),
-    ):
-        name = f"{labels[0]} on {topic}"
-        yield name, partial(field_logs.labelled, labels=labels, topic=topic)
+    for topic in ("/state", "/wheel_loads", "/gripper/finger_force", "/drill/contacts"):
+        yield f"wrenches on {topic}", partial(field_logs.wrenches, topic=topic)
     for legs in (4, 6):
         yield f"{legs} switches", partial(field_logs.switches, legs=legs)
     for rows in (1, 20):

@@ -63,26 +63,6 @@ def test_an_address_without_scheduler() -> None:
 
 
 @pytest.mark.slow
-def test_a_server_of_another_kind() -> None:
-    words = [sys.executable, "-m", "http.server", "0", "--bind", "127.0.0.1"]
-    with subprocess.Popen(  # noqa: S603
-        words,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
-    ) as server:
-        assert server.stdout is not None
-        port = next(server.stdout).split(" port ")[1].split()[0]
-        try:
-            for protocol in ("tcp", "ws"):
-                said = refused(f"{protocol}://127.0.0.1:{port}")
-                assert "no scheduler answers there" in said
-        finally:
-            server.kill()
-
-
-@pytest.mark.slow
 def test_a_scheduler_of_another_version(tmp_path: Path) -> None:
     with scheduler(tmp_path, OLD_DASK) as address:
         assert "it has dask.distributed 1.0, and here is" in refused(address)

@@ -102,7 +102,7 @@ def printed_by(script: str) -> str:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits files")
-@pytest.mark.parametrize("files", [15, 20, 24])
+@pytest.mark.parametrize("files", [15, 24])
 def test_processes_that_cannot_be_started_are_told(files: int) -> None:
     script = f"""
 import dogbot_logtool.run.processes, dogbot_logtool.report.text.console

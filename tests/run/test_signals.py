@@ -10,8 +10,13 @@ NEEDED = "there is not enough memory; with --jobs 1 the least is needed"
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="has no timer that sends a signal")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda n: n.name)
-@pytest.mark.parametrize("where", ["weakref.finalize(thing, fall)", "weakref.ref(thing, fall)"])
+@pytest.mark.parametrize(
+    ("number", "where"),
+    [
+        (signal.SIGINT, "weakref.finalize(thing, fall)"),
+        (signal.SIGTERM, "weakref.ref(thing, fall)"),
+    ],
+)
 def test_a_signal_in_a_finalizer_is_not_lost(number: signal.Signals, where: str) -> None:
     script = f"""
 import os, signal, time, weakref

@@ -37,9 +37,8 @@ def write_log(recording: Recording, path: Path) -> Path:
 
 def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
     yield from _base_entries(recording, messages)
-    for foot, name in enumerate(recording.robot.feet):
-        if name not in recording.unrecorded:
-            yield from _foot_entries(recording, messages, foot)
+    for foot in range(len(recording.feet)):
+        yield from _foot_entries(recording, messages, foot)
     if recording.has_tf:
         yield from _transform_entries(recording, messages)
     if recording.statics:

@@ -175,8 +175,6 @@ class Recording:
     """Kind of each foot's sensor, where they differ."""
     sensors: tuple[tuple[Sensor, ...], ...] = ()
     """Those of each foot, where it has several."""
-    unrecorded: tuple[str, ...] = ()
-    """Feet without a topic."""
     has_tf: bool = False
     """Whether the log holds the transforms of the links."""
     touches_itself: bool = False

@@ -13,7 +13,7 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Base
-from dogbot_logtool.core.settings import FORWARD_ANGLES, WalkSettings
+from dogbot_logtool.core.settings import WalkSettings
 
 STRAIGHT: Final = 0.9
 """Net way over path of a base that goes straight."""
@@ -28,10 +28,7 @@ WALKED_M: Final = 0.5
 def with_forward_axis(
     settings: WalkSettings, track: BaseTrack, motion: Base | None, *, in_one_world: bool
 ) -> WalkSettings:
-    """Let evidence correct a guessed forward axis.
-
-    The fore and hind feet's contact points decide. Where these are not known, the motion does, if
-    it is clearly to a side of the guessed axis; a robot that walks backward contradicts nothing.
+    """Let the fore and hind feet's contact points correct a guessed forward axis.
 
     Args:
         settings: with the forward axis of the robot.
@@ -44,12 +41,11 @@ def with_forward_axis(
     positions = [foot.leg_position for foot in settings.feet]
     tells = in_one_world and (motion is None or has_heading(motion))
     measured = axis_by_legs(track.history, track.feet, positions) if tells else None
-    because = "the fore feet are on that side of the hind feet"
     if measured is None:
-        measured = axis_by_motion(motion, settings.forward_axis)
-        because = "the robot moves that way"
-    if measured is None or measured == settings.forward_axis:
         return settings
+    if measured == settings.forward_axis:
+        return replace(settings, forward_axis_is_assumed=False)
+    because = "the fore feet are on that side of the hind feet"
     reason = f"{settings.forward_axis} of the guessed robot is not forward here: {because}"
     return replace(settings, forward_axis=measured, forward_axis_reason=reason)
 
@@ -67,17 +63,6 @@ def displacements_m(motion: Base | None) -> tuple[float, float]:
     speeds = motion.forward_speed_mps or 0.0, motion.lateral_speed_mps or 0.0
     seconds = motion.duration_s or 0.0
     return speeds[0] * seconds, speeds[1] * seconds
-
-
-def axis_by_motion(motion: Base | None, forward_axis: str) -> str | None:
-    """Return the body's axis that the motion follows, if it is to a side of the given one."""
-    forward, left = displacements_m(motion)
-    if abs(left) < WALKED_M or abs(left) <= abs(forward):
-        return None
-    turn = FORWARD_ANGLES[forward_axis]
-    along = np.array([forward * np.cos(turn), forward * np.sin(turn)])
-    aside = np.array([-left * np.sin(turn), left * np.cos(turn)])
-    return nearest_axis(along + aside)
 
 
 def axis_by_legs(

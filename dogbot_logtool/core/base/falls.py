@@ -1,8 +1,7 @@
 """Did the robot fall, tip over as the recording ends, or do its poses only seem to lean?"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -139,8 +138,7 @@ RISING_S: Final = 0.3
 _RISES_RAD: Final = 0.02
 
 
-@dataclass(frozen=True, slots=True)
-class Tipping:
+class Tipping(NamedTuple):
     """A roll or pitch that leaves its usual range and does not return."""
 
     since: int
@@ -172,19 +170,17 @@ def find_tipping(base: BaseHistory, forward_rad: float) -> Tipping | None:
 
 STEEP_RAD: Final = np.radians(45.0)
 """No legged robot walks with its back so steep."""
-FEWEST_STRIDES: Final = 3
-"""Strides of a foot, while the base leans so far."""
+FEWEST_STEPS: Final = 4
+"""Touchdowns of a foot, while the base leans so far."""
 UPSETS_NS: Final = 1_000_000_000
 """From upright to lying, a robot falls in less."""
-ALIKE: Final = 0.8
-"""Least ratio of periods, and of duty factors, of strides that are the same walk."""
 
 
 def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | None:
-    """Return how far the base leans at most while the robot walks on as it does upright, rad.
+    """Return how far the base leans at most while most feet walk on, rad.
 
-    A robot that fell may move its legs, but does not carry itself on them as before. One that walks
-    on has poses whose z axis is not up: those of motion capture with y up, say.
+    A robot that fell may move its legs; it came down all at once. One that walks on has poses whose
+    z axis is not up: those of motion capture with y up, say.
 
     Args:
         base: poses.
@@ -196,12 +192,12 @@ def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | 
     if not len(base.time):
         return None
     tilt = tilt_rad(base.angles)
-    if not (tilt > STEEP_RAD).any() or _topples(base, tilt):
+    steep = timespans.spans_where(base.time, tilt[:-1] > STEEP_RAD)
+    if not len(steep) or _topples(base, tilt):
         return None
-    leaning = [_walks_on(foot, base, tilt) for foot in feet if len(foot.stances.touchdown)]
-    if not leaning or 2 * sum(leaning) <= len(leaning):
-        return None
-    return float(tilt.max())
+    down = [foot.stances.touchdown for foot in feet if len(foot.stances.touchdown)]
+    walking = [timespans.covers(steep, each).sum() >= FEWEST_STEPS for each in down]
+    return float(tilt.max()) if 2 * sum(walking) > len(walking) else None
 
 
 def _topples(base: BaseHistory, tilt: Floats) -> bool:
@@ -209,21 +205,3 @@ def _topples(base: BaseHistory, tilt: Floats) -> bool:
     lies = np.flatnonzero(tilt > TILT_RAD)
     stood = np.flatnonzero(tilt[: lies[0]] < UPRIGHT_RAD) if len(lies) else lies
     return len(stood) > 0 and bool(base.time[lies[0]] - base.time[stood[-1]] < UPSETS_NS)
-
-
-def _walks_on(foot: FootHistory, base: BaseHistory, tilt: Floats) -> bool:
-    """Tell whether a foot's strides with a leaning base are like those with an upright one."""
-    down, up = foot.stances.touchdown, foot.stances.liftoff
-    if len(down) <= FEWEST_STRIDES:
-        return False
-    at = np.interp((down - base.time[0]).astype(np.float64), base.time - base.time[0], tilt)
-    period, stance = np.diff(down).astype(np.float64), (up - down)[:-1].astype(np.float64)
-    leans = (at[:-1] > STEEP_RAD) & (at[1:] > STEEP_RAD)
-    if leans.sum() < FEWEST_STRIDES:
-        return False
-    upright = (at[:-1] < STEEP_RAD) & (at[1:] < STEEP_RAD)
-    if not upright.any():
-        return True
-    duty = stance / period
-    ratios = [median_of(each[leans]) / median_of(each[upright]) for each in (period, duty)]
-    return all(ALIKE <= ratio <= 1.0 / ALIKE for ratio in ratios)

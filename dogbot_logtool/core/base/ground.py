@@ -1,8 +1,8 @@
 """The ground under the base, as the feet's contact points show it: height, slope, forward."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -48,23 +48,6 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     if median_of(over_ground[~np.isnan(over_ground)]) < LOWEST_M:
         return np.full(len(base.time), np.nan)
     return np.asarray(over_ground)
-
-
-def trend(time: Floats, values: Floats) -> tuple[Floats, float]:
-    """Fit a straight line to values over time, both about their means.
-
-    Args:
-        time: (n,)
-        values: (n, k)
-
-    Returns:
-        (k,) the slope, and the share of the variance along it that it explains; 0 of none.
-    """
-    slope = (time @ values) / (time @ time)
-    size = float(np.linalg.norm(slope))
-    along = values @ (slope / max(size, np.finfo(float).tiny))
-    total, rest = float(along @ along), along - size * time
-    return slope, 1.0 - float(rest @ rest) / total if total else 0.0
 
 
 def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
@@ -150,8 +133,7 @@ RESTS: Final = 0.05
 _NEIGHBOURS: Final = 5
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MovingGround:
+class MovingGround(NamedTuple):
     """The way of the ground over time."""
 
     time: Ints

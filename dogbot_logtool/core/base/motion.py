@@ -1,9 +1,8 @@
 """How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import hypot, prod
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -29,8 +28,7 @@ _LONGEST_BLOCK: Final = 100
 """Poses that are averaged at most: a second of them."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class BaseTrack:
+class BaseTrack(NamedTuple):
     """The poses that the base's motion is measured on."""
 
     history: BaseHistory

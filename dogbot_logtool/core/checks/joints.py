@@ -17,7 +17,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.checks.loads import direction_is_doubtful
+from dogbot_logtool.core.checks.feet import direction_is_doubtful
 from dogbot_logtool.core.contact.stances import FootTrack
 from dogbot_logtool.core.gait.feet import FootSteps, stride_curve
 from dogbot_logtool.core.gait.strides import Strides

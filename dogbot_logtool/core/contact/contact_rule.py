@@ -10,8 +10,7 @@ and again. Two thresholds and minimum durations are practice in biomechanics (Ki
 `detect_cycles`) and in state estimation for legged robots (pronto's stance estimator).
 """
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -62,8 +61,7 @@ LONGEST_RISE_S: Final = 0.1
 """s: a touchdown is dated back by no more."""
 
 
-@dataclass(frozen=True, slots=True)
-class ContactRule:
+class ContactRule(NamedTuple):
     """The thresholds of contact."""
 
     on_n: float
@@ -84,8 +82,7 @@ class ContactRule:
     """Why the sensor cannot tell contact; empty: it can."""
 
 
-@dataclass(frozen=True, slots=True)
-class Thresholds:
+class Thresholds(NamedTuple):
     """The settings of contact by a user or the robot's file; None: not given."""
 
     on_n: float | None = None

@@ -5,8 +5,8 @@ stances end in one exponential tail. A force that nothing filters falls to nothi
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -45,8 +45,7 @@ _SECOND_DIFFERENCE: Final = 0.6745 * 6.0**0.5
 """Median of |x| of second differences of unit white noise."""
 
 
-@dataclass(frozen=True, slots=True)
-class Filter:
+class Filter(NamedTuple):
     """The low-pass filter that a foot's forces went through."""
 
     tau_s: float

@@ -90,7 +90,7 @@ class FootHistory:
         return replace(
             self,
             has_force=False,
-            stances=replace(self.stances, figures=nothing),
+            stances=self.stances._replace(figures=nothing),
         )
 
     def stopped_in(self, spans: Ints) -> "FootHistory":
@@ -109,7 +109,7 @@ class FootHistory:
             self,
             gaps=gaps,
             known=timespans.subtract(self.known, spans),
-            stances=replace(stances, cut=cut, liftoff=liftoff).pick(kept),
+            stances=stances._replace(cut=cut, liftoff=liftoff).pick(kept),
             in_contact=timespans.subtract(self.in_contact, spans),
             stopped=spans,
         )
@@ -141,7 +141,7 @@ def foot_history(
     """
     messages = len(samples.foot)
     if not has_force:
-        rule = replace(rule, on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
+        rule = rule._replace(on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
         touches = np.outer(np.where(samples.in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
         samples = replace(samples, force=touches)
     if rule.unusable:

@@ -4,9 +4,9 @@ One clock serves all feet and the base, since phases and support compare feet wi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
-from typing import Any, Final, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -105,8 +105,7 @@ MOST_BAD_SHARE: Final = 0.05
 """Share of bad stamps up to which their messages are left out."""
 
 
-@dataclass(frozen=True, slots=True)
-class ClockStep:
+class ClockStep(NamedTuple):
     """A moment at which the clock of the stamps was set: a simulation that was reset, say."""
 
     before: int
@@ -116,8 +115,7 @@ class ClockStep:
     """ns by which the stamps stepped more than log time did; negative: back."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class StampCheck:
+class StampCheck(NamedTuple):
     """The header stamps of one topic, checked."""
 
     topic: str
@@ -323,8 +321,7 @@ def clock_at(at: Ints, log_time: Ints, stamp: Ints) -> Ints:
     return np.asarray(stamp[0] + np.rint(since).astype(np.int64))
 
 
-@dataclass(frozen=True, slots=True)
-class ClockDifference:
+class ClockDifference(NamedTuple):
     """How far a topic's clock is from that of the feet's topics."""
 
     topic: str

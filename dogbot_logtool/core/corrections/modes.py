@@ -4,8 +4,7 @@ The swing mode is narrow against the distance between both and is visited once a
 visits agree with each other. Shifting weight in a stand does not look like that.
 """
 
-from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -51,8 +50,7 @@ first, and ends above the second."""
 _BINS: Final = 128
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Modes:
+class Modes(NamedTuple):
     """Swing and stance of a foot, if the lower values are those of swing.
 
     A visit is a run of samples near one mode, without its ends: first row, and row after the last.
@@ -150,7 +148,7 @@ def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
         reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    return replace(modes, fit=fit, reason=reason)
+    return modes._replace(fit=fit, reason=reason)
 
 
 def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:

@@ -2,10 +2,9 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from itertools import accumulate
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -19,8 +18,7 @@ NORM_TOLERANCE: Final = 0.01
 ignores such a transform (geometry2, buffer_core.cpp)."""
 
 
-@dataclass(frozen=True, slots=True)
-class FrameEdge:
+class FrameEdge(NamedTuple):
     """All transforms of one frame in one parent."""
 
     parent: str
@@ -81,8 +79,7 @@ Pair = tuple[str, str]
 """A parent and a child."""
 
 
-@dataclass(frozen=True, slots=True)
-class TreeRow:
+class TreeRow(NamedTuple):
     """One line of a drawn tree."""
 
     frame: str
@@ -174,8 +171,7 @@ def loops(pairs: Iterable[Pair]) -> list[list[str]]:
             return sorted(found)
 
 
-@dataclass(frozen=True, slots=True)
-class SecondParent:
+class SecondParent(NamedTuple):
     """A frame that the log gives several parents."""
 
     child: str

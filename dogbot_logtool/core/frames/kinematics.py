@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal, TypeVar
+from typing import Final, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,8 +17,7 @@ LARGEST_LAG_NS: Final = 100_000_000
 """ns: stamps further behind log time are of another clock."""
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
+class Joint(NamedTuple):
     """One joint of a robot's model, as URDF defines it."""
 
     name: str
@@ -110,8 +109,7 @@ def link_poses(joints: Sequence[Joint], positions: Floats) -> tuple[Floats, Floa
     return translation, rotation
 
 
-@dataclass(frozen=True, slots=True)
-class Mass:
+class Mass(NamedTuple):
     """A mass that a joint of a leg carries."""
 
     joint: int
@@ -121,8 +119,7 @@ class Mass:
     """m, in the child's frame."""
 
 
-@dataclass(frozen=True, slots=True)
-class Leg:
+class Leg(NamedTuple):
     """A chain of joints from the base to a foot."""
 
     joints: tuple[Joint, ...]
@@ -149,8 +146,7 @@ class Leg:
         return tuple(dict.fromkeys(names))
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegMotion:
+class LegMotion(NamedTuple):
     """Where the parts of a leg are at n times, in the base's frame."""
 
     leg: Leg

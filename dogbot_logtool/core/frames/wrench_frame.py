@@ -1,9 +1,8 @@
 """The frame of recorded forces, by what physics says of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -19,8 +18,7 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.contact.contacts import Samples
 
 
-@dataclass(frozen=True, slots=True)
-class FramePoint:
+class FramePoint(NamedTuple):
     """A point of a link, given by its frame."""
 
     frame: str
@@ -58,8 +56,7 @@ class WrenchFrame(StrEnum):
     UNKNOWN = "unknown"
 
 
-@dataclass(frozen=True, slots=True)
-class FrameFit:
+class FrameFit(NamedTuple):
     """How well forces obey physics if they are taken to be in the world frame."""
 
     samples: int
@@ -80,8 +77,7 @@ class FrameFit:
         return straight and self.in_cone >= IN_CONE
 
 
-@dataclass(frozen=True, slots=True)
-class WrenchFrameEvidence:
+class WrenchFrameEvidence(NamedTuple):
     """Evidence for the frame of the wrenches."""
 
     frame: WrenchFrame

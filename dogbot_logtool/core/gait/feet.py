@@ -1,8 +1,8 @@
 """A foot's steps over a whole log, and its metrics over the log or a part of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -33,8 +33,7 @@ FIGURES: Final = tuple(name for name in StanceFigures._fields if name in _METRIC
 """Figures of stances that are metrics of a foot."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FootSteps:
+class FootSteps(NamedTuple):
     """Stances and strides of a foot over the whole log, and what is measured of each."""
 
     name: str
@@ -118,7 +117,7 @@ def foot_steps(
         peak_force_n=np.where(lone, calm_peak_n, figures.peak_force_n),
         peak_vertical_force_n=np.where(lone, calm_vertical_n, figures.peak_vertical_force_n),
     )
-    stances = replace(stances, figures=figures)
+    stances = stances._replace(figures=figures)
     heading = base.angles_at(stances.middle)[:, 2] + settings.forward_rad
     # A spike may be as large as all that brakes.
     spiked = np.where(figures.spikes > 0.0, np.nan, 0.0)

@@ -1,7 +1,6 @@
 """How many feet, and which, are down at a time; when the robot stands, or moves without steps."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -26,8 +25,7 @@ _STEP_S: Final = 0.25
 _WINDOW_S: Final = 2.0
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Support:
+class Support(NamedTuple):
     """Fractions of the time known to all feet."""
 
     feet_down: tuple[float, ...]

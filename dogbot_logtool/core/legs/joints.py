@@ -1,8 +1,7 @@
 """Joints: their states as messages tell them, and what is measured of each over log and strides."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -42,8 +41,7 @@ _IMPLAUSIBLE: Final = 1e9
 """rad, rad/s and N m: no joint reaches it."""
 
 
-@dataclass(frozen=True, slots=True)
-class JointLimits:
+class JointLimits(NamedTuple):
     """Limits of a joint by the robot's description; infinite where there are none."""
 
     lower: float = -np.inf
@@ -55,8 +53,7 @@ class JointLimits:
     """rad/s or m/s."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class JointTrack:
+class JointTrack(NamedTuple):
     """What is measured of a joint over a log, of n usable messages."""
 
     name: str
@@ -239,8 +236,7 @@ def _middles(values: Floats) -> Floats:
     return middles
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegFoot:
+class LegFoot(NamedTuple):
     """The leg of a foot."""
 
     name: str
@@ -258,8 +254,7 @@ class LegFoot:
     """Whether the foot is told too rarely for velocities."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegFigures:
+class LegFigures(NamedTuple):
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 
     settings: "LegSettings"

@@ -6,7 +6,7 @@ swing is a foot's way in the world, above the line between its footfalls.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ TRANSFORM_RATE_HZ: Final = 200.0
 JOINT_RATE_HZ: Final = 100.0
 
 
-@dataclass(frozen=True, slots=True)
-class LegChain:
+class LegChain(NamedTuple):
     """How a foot hangs on the base."""
 
     frames: tuple[str, ...]

@@ -14,7 +14,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -97,8 +97,7 @@ LIFETIME_S: Final = 0.5
 """An arrow disappears after this silence of its sensor."""
 
 
-@dataclass(frozen=True, slots=True)
-class ArrowStyle:
+class ArrowStyle(NamedTuple):
     """One way to show contact samples as arrows."""
 
     name: str
@@ -127,8 +126,7 @@ ARROW_STYLES: Final[Mapping[str, ArrowStyle]] = {
 """By name."""
 
 
-@dataclass(frozen=True, slots=True)
-class ArrowScale:
+class ArrowScale(NamedTuple):
     """How long arrows are, and how they are coloured."""
 
     newtons_per_metre: float = NEWTONS_PER_METRE

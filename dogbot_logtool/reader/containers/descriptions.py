@@ -5,10 +5,7 @@ stands outside of them, since checksums vouch for it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any, Final
-
-from zlib_ng.zlib_ng import crc32
+from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss
 
@@ -18,8 +15,7 @@ _MOST_RECORDS: Final = 1 << 17
 """All channels and schemas that an MCAP can have; more are not looked at."""
 
 
-@dataclass(frozen=True, slots=True)
-class Description:
+class Description(NamedTuple):
     """What a record says of a channel, a schema or a connection."""
 
     kind: str
@@ -96,15 +92,6 @@ def _described_twice(known: Description, other: Description, offset: int) -> Los
         offset: byte in the file, of the chunk if that stands in one.
     """
     one, two = known.name[:LONGEST_NAME], other.name[:LONGEST_NAME]
-    if one == two:
-        key = next(key for key, value in known.facts.items() if value != other.facts[key])
-        one += f" with {key} {_value_text(known.facts[key])}"
-        two += f" with {key} {_value_text(other.facts[key])}"
+    two = "another of that name" if one == two else two
     what = f"{known.kind} {known.number} is described in two ways: as {one} and, at byte {offset},"
     return Loss(offset, f"{what} as {two}; the former was used")
-
-
-def _value_text(value: object) -> str:
-    if isinstance(value, bytes):
-        return f"{crc32(value):08x} ({len(value)} bytes)"
-    return str(value)[:LONGEST_NAME]

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from typing import Final
 
 import numpy as np
@@ -58,13 +58,12 @@ class JoinedLog(Log):
         super().__init__(_NoBytes(path, sum(log.source.size for log in logs)))
         channels: dict[tuple[object, ...], Channel] = {}
         schemas: dict[tuple[str, str, bytes], Schema] = {}
-        self.logs = logs
-        self._ids = [_joint_ids(log.channels, channels, schemas) for log in logs]
-        self._places = _by_time(logs)
+        self.logs = [own for log in logs for own in _parts(log)]
+        self._ids = [_joint_ids(log.channels, channels, schemas) for log in self.logs]
         self.channels = {channel.id: channel for channel in channels.values()}
-        self.chunks = [self._chunk(number, *place) for number, place in enumerate(self._places)]
+        self.chunks = _by_time(self.logs, self._ids)
         counts: Counter[int] = Counter()
-        for log, ids in zip(logs, self._ids, strict=True):
+        for log, ids in zip(self.logs, self._ids, strict=True):
             counts.update(_joint(log.counts, ids))
         self.counts = counts
         self.start_time, self.end_time = time_range(logs)
@@ -73,11 +72,6 @@ class JoinedLog(Log):
         found = [_named(loss, log) for log in logs for loss in log.losses]
         self.losses = [*losses, *found]
 
-    def _chunk(self, number: int, file: int, chunk: Chunk) -> Chunk:
-        """Return a chunk of a file whose offset is its number in the joined log."""
-        counts = None if chunk.counts is None else _joint(chunk.counts, self._ids[file])
-        return replace(chunk, offset=number, counts=counts)
-
     @property
     def can_fork(self) -> bool:
         """See `Log.can_fork`."""
@@ -85,22 +79,16 @@ class JoinedLog(Log):
 
     def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
         """See `Log.overlaps`."""
-        file, own = self._places[chunk.offset]
-        return self.logs[file].overlaps(own, start, end)
+        return self.logs[chunk.file].overlaps(chunk, start, end)
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`."""
         parts: list[Batch] = []
         base = row = 0
-        for file, own in groupby(span, key=lambda chunk: self._places[chunk.offset][0]):
-            chunks = tuple(own)
-            joint = {self._places[chunk.offset][1].offset: chunk for chunk in chunks}
-            part = self._of_file(file, chunks)
-            # Chunks that are damaged are not there.
+        for file, chunks in groupby(span, key=attrgetter("file")):
+            part = self._of_file(file, tuple(chunks))
             loaded = tuple(
-                replace(
-                    each,
-                    chunk=joint[each.chunk.offset],
+                each._replace(
                     stored=memoryview(b""),
                     base=base + each.base,
                     rows=slice(row + each.rows.start, row + each.rows.stop),
@@ -121,7 +109,7 @@ class JoinedLog(Log):
     def _of_file(self, file: int, span: Span) -> Batch:
         """Read chunks of a file, with joint channels."""
         log = self.logs[file]
-        batch = unpacked(log.read(tuple(self._places[chunk.offset][1] for chunk in span)))
+        batch = unpacked(log.read(span))
         channel = self._ids[file][batch.messages.channel]
         return replace(
             batch,
@@ -135,18 +123,24 @@ class JoinedLog(Log):
             log.close()
 
 
-def _by_time(logs: Sequence[Log]) -> list[tuple[int, Chunk]]:
-    """Return all chunks by the times at which they begin, with the numbers of their files.
+def _parts(log: Log) -> Sequence[Log]:
+    """Return the files of a log that is joined itself, or the log."""
+    return log.logs if isinstance(log, JoinedLog) else [log]
+
+
+def _by_time(logs: Sequence[Log], ids: Sequence[Ints]) -> list[Chunk]:
+    """Return all chunks by the times at which they begin.
 
     None of a file is read earlier than those before it.
     """
-    found: list[tuple[int, int, Chunk]] = []
+    found: list[tuple[int, Chunk]] = []
     for file, log in enumerate(logs):
         reached = _EARLIEST
         for chunk in log.chunks:
             reached = max(reached, _EARLIEST if chunk.start_time is None else chunk.start_time)
-            found.append((reached, file, chunk))
-    return [(file, chunk) for _, file, chunk in sorted(found, key=itemgetter(0))]
+            counts = None if chunk.counts is None else _joint(chunk.counts, ids[file])
+            found.append((reached, chunk._replace(file=file, counts=counts)))
+    return [chunk for _, chunk in sorted(found, key=itemgetter(0))]
 
 
 def _joint(counts: Mapping[int, int], ids: Ints) -> dict[int, int]:
@@ -173,7 +167,7 @@ def _joint_ids(
     for number, channel in own.items():
         schema = channel.schema
         if schema is not None:
-            fresh = replace(schema, id=len(schemas) + 1)
+            fresh = schema._replace(id=len(schemas) + 1)
             schema = schemas.setdefault((schema.name, schema.encoding, schema.data), fresh)
         kind = schema and schema.id
         key = (channel.topic, channel.message_encoding, kind, is_marked(channel.metadata))
@@ -185,4 +179,4 @@ def _joint_ids(
 def _named(loss: Loss, log: Log) -> Loss:
     """Say in which file it is."""
     name = file_name(log.source.path)
-    return replace(loss, what=f"{name}: {loss.what}", file=name)
+    return loss._replace(what=f"{name}: {loss.what}", file=name)

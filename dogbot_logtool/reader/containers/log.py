@@ -6,7 +6,7 @@ from collections.abc import Set as AbstractSet
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Final, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ _MOST_UNUSED: Final = 2 * BATCH_SIZE
 """Bytes of chunks without messages of interest from which a batch is full, too."""
 
 
-@dataclass(frozen=True, slots=True)
-class Schema:
+class Schema(NamedTuple):
     """A recorded message definition."""
 
     id: int
@@ -54,8 +53,7 @@ class Channel:
         return short_type_name(self.schema.name) if self.schema else ""
 
 
-@dataclass(frozen=True, slots=True)
-class Chunk:
+class Chunk(NamedTuple):
     """Position of a chunk of messages in the file."""
 
     offset: int
@@ -78,6 +76,8 @@ class Chunk:
     """Messages by channel id, from an index or counted when the log was opened; None: unknown."""
     is_scanned: bool = False
     """It was read when the log was opened, so that its damage is among the log's losses."""
+    file: int = 0
+    """Which of several joined files it stands in."""
 
     @property
     def messages(self) -> int | None:
@@ -99,8 +99,7 @@ Span = tuple[Chunk, ...]
 """Neighbouring chunks that make a batch."""
 
 
-@dataclass(frozen=True, slots=True)
-class Extra:
+class Extra(NamedTuple):
     """A record that is no message: an MCAP attachment or metadata record, copied as it is."""
 
     opcode: int
@@ -110,8 +109,7 @@ class Extra:
     """The file that it stands in."""
 
 
-@dataclass(frozen=True, slots=True)
-class EarlierAnnotations:
+class EarlierAnnotations(NamedTuple):
     """Annotations that `convert` added to a log."""
 
     channels: frozenset[int] = frozenset()
@@ -163,8 +161,7 @@ def concatenate_messages(parts: Sequence[Messages]) -> Messages:
     return concatenated(parts) if parts else no_messages()
 
 
-@dataclass(frozen=True, slots=True)
-class LoadedChunk:
+class LoadedChunk(NamedTuple):
     """A chunk in a batch."""
 
     chunk: Chunk
@@ -217,8 +214,7 @@ class Batch:
         """Return some of the messages; chunks that lose any are not whole."""
         bounds = np.concatenate([[0], np.cumsum(kept)])
         chunks = tuple(
-            replace(
-                loaded,
+            loaded._replace(
                 rows=slice(int(bounds[loaded.rows.start]), int(bounds[loaded.rows.stop])),
                 whole=loaded.whole and bool(kept[loaded.rows].all()),
             )
@@ -324,7 +320,7 @@ class Log(ABC):
     def located(self, loss: Loss) -> Loss:
         """Return a loss in this file with the log times between which it lies, if known."""
         at_end = loss.offset and loss.offset + loss.bytes >= self.source.size
-        return replace(loss, start_time=self.end_time) if at_end else loss
+        return loss._replace(start_time=self.end_time) if at_end else loss
 
     def without(self, annotations: EarlierAnnotations) -> "Log":
         """Return the same log as it was before it was annotated.
@@ -367,47 +363,23 @@ def counts_by_channel(messages: Messages) -> dict[int, int]:
     return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
 
 
-def differing_counts(
-    channels: Mapping[int, Channel], stated: Mapping[int, int], found: Mapping[int, int]
-) -> str:
-    """Return what to say of stated counts of messages that differ from those found.
-
-    Args:
-        channels: by id.
-        stated: messages by channel id.
-        found: likewise.
-
-    Returns:
-        "5 messages of /left, but 6 were found"; empty where all are right.
-    """
-    wrong = [
-        number
-        for number in sorted({*stated, *found})
-        if stated.get(number, 0) != found.get(number, 0)
-    ]
-    if not wrong:
-        return ""
-    first = wrong[0]
-    name = channels[first].topic[:LONGEST_NAME] if first in channels else f"channel {first}"
-    text = f"{stated.get(first, 0)} messages of {name}, but {found.get(first, 0)} were found"
-    if len(wrong) > 1:
-        text += f" ({len(wrong) - 1} more wrong)"
-    return text
-
-
 def wrong_statistics(log: Log, found: Mapping[int, int], losses: Sequence[Loss]) -> list[Loss]:
-    """Compare a log's counts with its messages, after all of them were read.
+    """Compare a log's counts, or those of its chunks' indexes, with its messages.
 
     Args:
-        log: the log. Counts that stand in its chunks' indexes were compared chunk by chunk.
+        log: the log, all of whose messages were read.
         found: messages by channel id.
         losses: messages that are known to be missing explain a difference.
     """
-    compared = all(chunk.counts is not None for chunk in log.chunks)
-    if compared or lost_messages(losses) != 0:
+    numbers = sorted({*log.counts, *found})
+    wrong = [n for n in numbers if log.counts.get(n, 0) != found.get(n, 0)]
+    if not wrong or lost_messages(losses) != 0:
         return []
-    what = differing_counts(log.channels, log.counts, found)
-    return [Loss(0, f"the log's statistics count {what}")] if what else []
+    stated, first = log.counts.get(wrong[0], 0), found.get(wrong[0], 0)
+    topic = log.channels[wrong[0]].topic[:LONGEST_NAME]
+    more = f" ({len(wrong) - 1} more wrong)" if len(wrong) > 1 else ""
+    what = f"the log's statistics count {stated} messages of {topic}, but {first} were found{more}"
+    return [Loss(0, what)]
 
 
 def damage_of(log: Log, losses: Iterable[Loss]) -> Damage:

@@ -1,8 +1,7 @@
 """Damage in a log, and the words for it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.errors import DAMAGED
 
@@ -12,8 +11,7 @@ _MOST: Final = 200
 """Losses kept one by one; more are summed up."""
 
 
-@dataclass(frozen=True, slots=True)
-class Loss:
+class Loss(NamedTuple):
     """Damage that was found: what could not be read, and where."""
 
     offset: int
@@ -66,8 +64,7 @@ class Losses:
         return (*self._first, self._rest) if self._rest else tuple(self._first)
 
 
-@dataclass(frozen=True, slots=True)
-class Damage:
+class Damage(NamedTuple):
     """Everything that could not be read of a log. All commands say it in the words of `text`."""
 
     log: str

@@ -8,7 +8,6 @@ from abc import abstractmethod
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -70,7 +69,7 @@ class IndexEntry(NamedTuple):
 
     def added_to(self, chunk: Chunk) -> Chunk:
         """Return a chunk with what the entry says."""
-        return replace(chunk, **self._asdict())
+        return chunk._replace(**self._asdict())
 
 
 class UnusableIndex(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
@@ -131,10 +130,6 @@ class RecordLog(Log):
     @abstractmethod
     def _index_of(self, behind: memoryview) -> Index | None:
         """Return what the records behind a chunk name."""
-
-    @abstractmethod
-    def _own_times(self, chunk: Chunk) -> Times:
-        """Return the log times, ns, that a chunk itself tells."""
 
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
         """Return the CRC of a chunk, 0 for none, and what its own header contradicts."""
@@ -241,10 +236,10 @@ class RecordLog(Log):
                 # It is cut off, or its length is damaged.
                 end = next_sound(self._format, self.source.read, chunk.data_offset, size)
             self._cut_off = chunk.offset if chunk.end > size == end else None
-        known = replace(chunk, end=end, index_end=end, is_scanned=True)
-        known = replace(known, data_size=min(chunk.data_size, end - chunk.data_offset))
+        known = chunk._replace(end=end, index_end=end, is_scanned=True)
+        known = known._replace(data_size=min(chunk.data_size, end - chunk.data_offset))
         if not chunk.is_compressed and end < size:
-            known = replace(known, size=known.data_size)
+            known = known._replace(size=known.data_size)
         self.chunks.append(known)
         self._is_behind_damage = False
         return end
@@ -252,7 +247,7 @@ class RecordLog(Log):
     def _take_index(self, offset: int, end: int) -> None:
         """Take a record that names the messages of the chunk before it."""
         if self.chunks and self.chunks[-1].is_record and self.chunks[-1].index_end == offset:
-            self.chunks[-1] = replace(self.chunks[-1], index_end=end)
+            self.chunks[-1] = self.chunks[-1]._replace(index_end=end)
 
     def _follows(self, offset: int) -> bool:
         size = self.source.size
@@ -334,8 +329,8 @@ class RecordLog(Log):
         self._losses.add(*content.losses, *losses)
         times = content.messages.log_time
         start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
-        return replace(
-            chunk, start_time=start, end_time=end, counts=counts_by_channel(content.messages)
+        return chunk._replace(
+            start_time=start, end_time=end, counts=counts_by_channel(content.messages)
         )
 
     def _without_undescribed(self, chunk: Chunk) -> Chunk:
@@ -346,7 +341,7 @@ class RecordLog(Log):
             messages = self._content(chunk).messages
             strange = ~np.isin(messages.channel, [*self.channels])
             self._losses.add(undescribed(chunk, messages.pick(strange)))
-        return replace(chunk, counts=known)
+        return chunk._replace(counts=known)
 
     # Read them.
 
@@ -395,7 +390,7 @@ class RecordLog(Log):
         except ChunkDamage as damage:
             raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
         content = read_content(self._format, target[:size], index, chunk, verified=bool(crc))
-        return replace(content, losses=(*losses, *content.losses))
+        return content._replace(losses=(*losses, *content.losses))
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`. A batch that is the whole log is read several times, so it is kept."""
@@ -475,24 +470,12 @@ class RecordLog(Log):
         )
         if behind > first and self.chunks[first].offset == loss.offset:
             chunk = self.chunks[first]
-            return replace(loss, start_time=chunk.start_time, end_time=chunk.end_time)
+            return loss._replace(start_time=chunk.start_time, end_time=chunk.end_time)
         before = self.chunks[first - 1].end_time if first else None
         after = self.chunks[behind].start_time if behind < len(self.chunks) else None
         if before is not None and after is not None:
             before, after = sorted((before, after))
-        return replace(loss, start_time=before, end_time=after)
-
-    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
-        """See `Log.overlaps`: a chunk is left out only if what stands in it or behind it agrees.
-
-        That is not fetched from a store.
-        """
-        if super().overlaps(chunk, start, end):
-            return True
-        if chunk.is_scanned or not self.source.has_cheap_seeks:
-            return False
-        first, last = self._own_times(chunk)
-        return super().overlaps(replace(chunk, start_time=first, end_time=last), start, end)
+        return loss._replace(start_time=before, end_time=after)
 
 
 def open_records(new_log: Callable[[ByteSource], RecordLog], source: ByteSource) -> RecordLog:

@@ -3,8 +3,7 @@
 The code of a container is imported when such a log is opened.
 """
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 BAG_MAGIC: Final = b"#ROSBAG V2.0\n"
 MCAP_MAGIC: Final = b"\x89MCAP0\r\n"
@@ -24,8 +23,7 @@ def is_zstd(start: bytes) -> bool:
     return is_skipped or start.startswith(ZSTD_MAGIC)
 
 
-@dataclass(frozen=True, slots=True)
-class Container:
+class Container(NamedTuple):
     """A file format for logs."""
 
     magic: bytes

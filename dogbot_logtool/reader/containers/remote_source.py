@@ -1,9 +1,7 @@
 """The bytes of a log that lies in a store, read by range: only what is asked for is fetched."""
 
-from bisect import bisect_right
 from collections.abc import Sequence
 from functools import lru_cache
-from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from dogbot_logtool.errors import CallError, LogError
@@ -16,8 +14,6 @@ if TYPE_CHECKING:
 _BLOCK: Final = 64 << 10
 """Smaller reads fetch blocks of this size and keep them, since their neighbours follow."""
 _BLOCKS: Final = 64
-_NEAR: Final = 16 << 10
-"""Ranges with a smaller gap between them are fetched as one."""
 _AT_ONCE: Final = 16
 """Requests to a web server; a bucket's store takes more."""
 _PIECE: Final = 8 << 20
@@ -76,22 +72,13 @@ class RemoteSource(ByteSource):
         return data[offset - first * block :][:size]
 
     def read_many(self, ranges: Sequence[tuple[int, int]]) -> list[bytes]:
-        """See `ByteSource.read_many`; neighbours are fetched as one, and all at once."""
+        """See `ByteSource.read_many`; all are fetched at once."""
         if self.size <= self._block_size:
             return [self.read(offset, size) for offset, size in ranges]
-        wanted = [(start, min(start + size, self.size)) for start, size in ranges]
-        runs: list[_Run] = []
-        for start, end in sorted(each for each in wanted if each[0] < each[1]):
-            if runs and start <= runs[-1][1] + _NEAR:
-                runs[-1] = runs[-1][0], max(runs[-1][1], end)
-            else:
-                runs.append((start, end))
-        data = self._fetch(runs)
-        found: list[bytes] = []
-        for start, end in wanted:
-            run = bisect_right(runs, start, key=itemgetter(0)) - 1
-            found.append(data[run][start - runs[run][0] :][: end - start] if start < end else b"")
-        return found
+        ends = [min(start + size, self.size) for start, size in ranges]
+        runs = [(start, max(start, end)) for (start, _), end in zip(ranges, ends, strict=True)]
+        fetched = iter(self._fetch([run for run in runs if run[0] < run[1]]))
+        return [next(fetched) if start < end else b"" for start, end in runs]
 
     def nearby(self) -> ByteSource:
         """See `ByteSource.nearby`: a copy on the disk without a name, gone when it is closed.

@@ -2,10 +2,9 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, content, files_in, name_of
@@ -31,8 +30,7 @@ class UnusableMetadata(Exception):  # noqa: N818 - it never reaches a user; `Los
     """The metadata cannot be used; the text says why."""
 
 
-@dataclass(frozen=True, slots=True)
-class Metadata:
+class Metadata(NamedTuple):
     """Promises of a bag's metadata. Types are taken from the files themselves."""
 
     files: tuple[str, ...]
@@ -41,8 +39,6 @@ class Metadata:
     """ROS 2 distribution that recorded it; empty if not stated."""
     messages: int | None
     """In all files; None if not stated."""
-    messages_by_file: Mapping[str, int]
-    """By the last part of the file's name; newer recorders count these, too."""
 
 
 def read_metadata(folder: Location) -> Metadata:
@@ -60,7 +56,6 @@ def read_metadata(folder: Location) -> Metadata:
         files=tuple(name for name in names if isinstance(name, str)),
         distribution=_text(information.get("ros_distro")),
         messages=_count(information.get("message_count")),
-        messages_by_file=dict(_counts_by_file(information.get("files"))),
     )
 
 
@@ -128,14 +123,6 @@ def _count(value: object) -> int | None:
     return int(value) if isinstance(value, str) and _COUNT.fullmatch(value) else None
 
 
-def _counts_by_file(files: object) -> Iterator[tuple[str, int]]:
-    for file in files if isinstance(files, list) else []:
-        facts = _mapping(file)
-        name, count = _text(facts.get("path")), _count(facts.get("message_count"))
-        if name and count is not None:
-            yield Path(name).name, count
-
-
 OpenFile = Callable[[Location, str], Log]
 """Opens a file of a bag, given the distribution of ROS 2 that recorded it; empty: not known."""
 _Files = tuple[list[Location], list[Loss], Metadata | None]
@@ -181,7 +168,7 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
 def _before(loss: Loss, following: Log) -> Loss:
     """End what is missing at the end of a file where the next file begins."""
     is_open = loss.start_time is not None and loss.end_time is None
-    return replace(loss, end_time=following.start_time) if is_open else loss
+    return loss._replace(end_time=following.start_time) if is_open else loss
 
 
 def _named_files(folder: Location, metadata: Metadata) -> _Files:
@@ -197,7 +184,7 @@ def _named_files(folder: Location, metadata: Metadata) -> _Files:
         if file is None:
             base = Path(name).name[:_LONGEST_NAME]
             what = f"{ROSBAG2_METADATA} names {base}, which is not there"
-            losses.append(Loss(0, what, 0, metadata.messages_by_file.get(base)))
+            losses.append(Loss(0, what, 0, None if metadata.messages is None else 0))
         else:
             files[file.name] = file
     named = {name.removesuffix(_PACKED) for name in files}

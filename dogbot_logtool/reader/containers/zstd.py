@@ -56,7 +56,7 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
     log.source.path = path
     if loss is not None:
         # Whatever was in the compressed bytes came after all that was read.
-        log.losses = (replace(loss, start_time=log.end_time), *log.losses)
+        log.losses = (loss._replace(start_time=log.end_time), *log.losses)
     return log
 
 

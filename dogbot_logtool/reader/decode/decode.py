@@ -6,7 +6,6 @@ checked against the bytes that are there before it is used; a message that fails
 leaves its neighbours alone.
 """
 
-import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -18,10 +17,9 @@ from dogbot_logtool.core.arrays import Bytes, Flags, Ints
 from dogbot_logtool.reader.decode.columns import Nested, Rows, Table, Texts, gather
 from dogbot_logtool.reader.decode.message_layout import ArrayStep, Layout, Run, Step, TextStep
 
-_FEW_ROWS: Final = 32
-"""Messages from which decoding their next elements at once is faster than stepping over them."""
 MAX_VARIABLE_ELEMENTS: Final = 20_000
-"""A message with a longer array of elements of varying size counts as malformed."""
+"""A message with a longer array of elements of varying size counts as malformed. So do those whose
+arrays within arrays take more rounds than this."""
 _COUNT: Final = 4
 """Bytes of a length or a count."""
 _CDR_HEADER: Final = 4
@@ -88,10 +86,10 @@ class _Walk:
     def __init__(self, layout: Layout, buffer: Bytes, *, big_endian: bool) -> None:
         self._layout = layout
         self._buffer = buffer
-        self._bytes = buffer.data
         self._cdr = layout.serialisation == "cdr"
         self._order = ">" if big_endian else "<"
-        self._read_count = struct.Struct(self._order + "I").unpack_from
+        self._rounds = 0
+        """In which a next element of some messages was found."""
         self._sound: Flags = np.ones(0, np.bool_)
 
     def messages(self, start: Ints, end: Ints) -> tuple[Table, Flags]:
@@ -210,8 +208,7 @@ class _Walk:
     ) -> tuple[Ints, Ints]:
         """Find elements of varying size: all messages' first ones, all second ones, and so on.
 
-        Where only few messages have more, it is faster to step over their elements one by one: the
-        work grows with the number of elements alone. The last one is left to be stepped over.
+        The last one is left to be stepped over.
 
         Returns:
             (m,) row and (m,) offset of each element, row by row.
@@ -225,75 +222,21 @@ class _Walk:
         index, rows = 0, np.flatnonzero(count)
         start[first[rows]] = cursors.position[rows]
         rows = rows[count[rows] > 1]
-        while len(rows) >= _FEW_ROWS:
+        while len(rows):
+            self._rounds += 1
+            if self._rounds > MAX_VARIABLE_ELEMENTS:
+                self._sound[cursors.message[rows]] = False
+                break
             elements = cursors.pick(rows)
             self._rows(steps, elements, wanted=False)
             cursors.position[rows] = elements.position
             index += 1
             start[first[rows] + index] = elements.position
             rows = rows[(count[rows] > index + 1) & self._sound[cursors.message[rows]]]
-        for row in rows.tolist():
-            position, limit, origin = (
-                int(each[row]) for each in (cursors.position, cursors.limit, cursors.origin)
-            )
-            for slot in range(int(first[row]) + index + 1, int(first[row] + count[row])):
-                position = self._skip(steps, position, origin, limit)
-                if position > limit:
-                    self._sound[cursors.message[row]] = False
-                    break
-                start[slot] = position
         if self._sound.all():
             return parent, start
         sound = self._sound[cursors.message[parent]]
         return parent[sound], start[sound]
-
-    def _skip(self, steps: tuple[Step, ...], position: int, origin: int, limit: int) -> int:
-        """Return the offset behind a single element, or one beyond the limit if it is malformed.
-
-        Args:
-            steps: of the element.
-            position: where it begins.
-            origin: offset that alignment counts from.
-            limit: end of its message.
-        """
-        for step in steps:
-            position += (origin - position) & (step.alignment - 1)
-            if isinstance(step, Run):
-                position += step.size
-                continue
-            count = step.length if isinstance(step, ArrayStep) else None
-            if count is None:
-                if position + _COUNT > limit:
-                    return limit + 1
-                (count,) = self._read_count(self._bytes, position)
-                position += _COUNT
-            if isinstance(step, ArrayStep):
-                position = self._skip_array(step, count, position, origin, limit)
-            else:
-                position += count
-                is_open = self._cdr and count and position <= limit and self._bytes[position - 1]
-                position = limit + 1 if is_open else position
-            if position > limit:
-                return limit + 1
-        return position
-
-    def _skip_array(
-        self, step: ArrayStep, count: int, position: int, origin: int, limit: int
-    ) -> int:
-        """Step over some elements of an array; see `_skip`."""
-        if not count or not step.smallest_element:
-            return position
-        match step.element:
-            case (Run(alignment, size),):
-                first = position + ((origin - position) & (alignment - 1))
-                return first + (count - 1) * (size + -size % alignment) + size
-        if count > MAX_VARIABLE_ELEMENTS:
-            return limit + 1
-        for _ in range(count):
-            position = self._skip(step.element, position, origin, limit)
-            if position > limit:
-                break
-        return position
 
     def _counts(self, cursors: _Cursors, alignment: int) -> Ints:
         """Read a 32-bit count and step over it; 0 for messages that have failed."""

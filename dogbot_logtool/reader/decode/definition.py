@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from dogbot_logtool.errors import DefinitionError
 
@@ -77,28 +77,24 @@ class Primitive:
         return int(self.dtype[1:])
 
 
-@dataclass(frozen=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """A string: a 32-bit length, then bytes."""
 
 
-@dataclass(frozen=True, slots=True)
-class FixedArray:
+class FixedArray(NamedTuple):
     """As many elements as the definition says, without a count."""
 
     element: "FieldType"
     length: int
 
 
-@dataclass(frozen=True, slots=True)
-class VariableArray:
+class VariableArray(NamedTuple):
     """A 32-bit count, then so many elements."""
 
     element: "FieldType"
 
 
-@dataclass(frozen=True, slots=True)
-class Struct:
+class Struct(NamedTuple):
     """A message: its fields in order."""
 
     name: str

@@ -7,8 +7,7 @@ encapsulation header) and in the strings' terminator.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -28,8 +27,7 @@ ELEMENT: Final = "value"
 _CDR_ORIGIN_ALIGNMENT: Final = 8
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
+class Run(NamedTuple):
     """Fields of fixed width, one after the other."""
 
     alignment: int
@@ -41,8 +39,7 @@ class Run:
     none are."""
 
 
-@dataclass(frozen=True, slots=True)
-class TextStep:
+class TextStep(NamedTuple):
     """A string."""
 
     path: str
@@ -50,8 +47,7 @@ class TextStep:
     alignment: int
 
 
-@dataclass(frozen=True, slots=True)
-class ArrayStep:
+class ArrayStep(NamedTuple):
     """An array of anything that is not a fixed array of numbers."""
 
     path: str
@@ -68,8 +64,7 @@ class ArrayStep:
 Step = Run | TextStep | ArrayStep
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """The compiled layout of one message type in one serialisation."""
 
     serialisation: Serialisation

@@ -17,9 +17,8 @@ nearest fields that there are.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -68,8 +67,7 @@ _WIDEST_TIME_PART: Final = 4
 """Bytes; wider seconds would not fit as nanoseconds into 64 bits."""
 
 
-@dataclass(frozen=True, slots=True)
-class ArrayPart:
+class ArrayPart(NamedTuple):
     """An array on the way to a field, and which of its elements are wanted."""
 
     path: str
@@ -86,8 +84,7 @@ class ArrayPart:
     or_more: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class FieldPath:
+class FieldPath(NamedTuple):
     """A path that a definition has."""
 
     arrays: tuple[ArrayPart, ...]

@@ -1,8 +1,7 @@
 """The columns of each foot, read of messages by any row of the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -24,8 +23,7 @@ Values = Mapping[str, Floats]
 """(n, w) numbers of one foot, by the row's field; NaN where a message lacks it."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootChannels:
+class FootChannels(NamedTuple):
     """Which feet speak on which channels."""
 
     feet: Sequence[Foot]

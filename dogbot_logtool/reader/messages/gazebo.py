@@ -6,9 +6,9 @@ text `info` alone. The new Gazebo's messages are one step each.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,7 @@ _MOST_DIGITS: Final = 18
 """Of a number; more may not fit into an int64."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class PairStates:
+class PairStates(NamedTuple):
     """Contact states of n messages, as recorded, and which physics steps they are of."""
 
     contacts: Contacts

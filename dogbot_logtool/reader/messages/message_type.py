@@ -8,8 +8,7 @@ Paths are in the language of `reader.decode.paths`. Beside that,
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.paths import Want
@@ -23,8 +22,7 @@ Paths = str | tuple[str, ...]
 """A path, or one a leg."""
 
 
-@dataclass(frozen=True, slots=True)
-class Pairs:
+class Pairs(NamedTuple):
     """Where Gazebo's contact sensors have pairs of bodies that touch; paths inside `array`."""
 
     array: str
@@ -50,8 +48,7 @@ class Pairs:
         }
 
 
-@dataclass(frozen=True, slots=True)
-class MessageType:
+class MessageType(NamedTuple):
     """How messages of a type tell of the feet, of the base, of joints, or of several of these."""
 
     name: str
@@ -116,8 +113,7 @@ class MessageType:
     turned: Literal["xyzw", "wxyz", "xyz", "zyx"] = "xyzw"
     """Three letters are angles of roll (x), pitch and yaw."""
     linear: str = ""
-    """m/s; also `angular`, rad/s."""
-    angular: str = ""
+    """m/s."""
     numbered: tuple[str, ...] = ()
     """Number and position of the base's joints: roll, pitch, yaw, x, y, z, counted from 0."""
     body: str = ""
@@ -171,8 +167,7 @@ WANTS: Final[Mapping[Part, Mapping[str, Want]]] = {
     "feet": {"stamp": "time", "frame": "text", "label": "text", "only": "number",
              "flag": "number", "force": "xyz", "point": "xyz", "normal": "xyz"},
     "base": {"position": "xyz", "orientation": "xyzw", "stamp": "time", "frame": "text",
-             "body": "text", "choose": "text", "numbered": "number", "linear": "xyz",
-             "angular": "xyz"},
+             "body": "text", "choose": "text", "numbered": "number", "linear": "xyz"},
     "joints": {"stamp": "time", "joint": "text", "joint_position": "number",
                "joint_velocity": "number", "joint_effort": "number"},
     "commands": {"command": "number", "stamp": "time", "frame": "text"},

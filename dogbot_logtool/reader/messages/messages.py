@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -27,8 +27,7 @@ SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cd
 """By the names of messages' encodings."""
 
 
-@dataclass(frozen=True, slots=True)
-class DecodedMessages:
+class DecodedMessages(NamedTuple):
     """Sound messages of one definition, in file order."""
 
     channel: Ints

@@ -99,7 +99,7 @@ def source_of(channel: Channel, part: Part) -> Source | None:
 
 def without_sender(channel: Channel) -> Channel:
     """Return what the channels of one definition have in common, which share a source."""
-    schema = channel.schema and replace(channel.schema, id=0)
+    schema = channel.schema and channel.schema._replace(id=0)
     return replace(channel, id=0, topic="", schema=schema, metadata={})
 
 

@@ -3,14 +3,13 @@
 import base64
 import html
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 
@@ -35,8 +34,7 @@ Trace = dict[str, Any]
 """A trace of Plotly.js; arrays may be numpy's."""
 
 
-@dataclass(frozen=True, slots=True)
-class Drawing:
+class Drawing(NamedTuple):
     """A figure with its words."""
 
     name: str
@@ -59,8 +57,7 @@ class Drawing:
         return {"name": self.name, "over_time": self.over_time, "data": data, "layout": layout}
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """Panels side by side, with one upright axis."""
 
     title: str

@@ -2,14 +2,13 @@
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
 
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.assets import own, policy_of, rendered
 from dogbot_logtool.report.page.tables import INDEX
@@ -36,8 +35,7 @@ _WIDTH: Final = 120
 _ROW: Final = 8
 
 
-@dataclass(frozen=True, slots=True)
-class IndexRow:
+class IndexRow(NamedTuple):
     """A log in the index of several."""
 
     name: str

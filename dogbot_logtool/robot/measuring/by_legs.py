@@ -9,9 +9,9 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.estimated.estimate import Estimate, estimate, placed_by_legs
-from dogbot_logtool.core.estimated.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.frames.kinematics import Leg
+from dogbot_logtool.core.legs.estimate import Estimate, estimate, placed_by_legs
+from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.core.settings import WalkSettings
@@ -58,7 +58,7 @@ def measured_by_legs(
             return recording, selection
         settled = [each for each in selection.findings if each.code != "NO_FEET"]
         finding = without_legs(str(reason), model.call)
-        return recording, replace(selection, findings=(*settled, finding))
+        return recording, selection._replace(findings=(*settled, finding))
     feet = estimated.feet if lacks_feet else _with_points(recording, selection, legs, estimated)
     base = recording.base if selection.odometry else estimated.base
     return replace(recording, feet=feet, base=base), selection
@@ -109,8 +109,7 @@ def _estimated(
         named = replace(named, mass_kg=mass, feet=own)
         findings = [each for each in findings if not _is_settled(each, recording)]
         findings += _of_contact(estimated, topic, tuple(leg.name for leg in legs))
-    selection = replace(
-        selection,
+    selection = selection._replace(
         robot=named,
         findings=tuple(findings),
         contact_from=estimated.contact_from if lacks_feet else "",
@@ -169,7 +168,7 @@ def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
     if not set(described.values()).isdisjoint(recorded) or len(set(short.values())) < len(short):
         return recording
     tables = (
-        replace(table, names=tuple(described.get(short[name], name) for name in table.names))
+        table._replace(names=tuple(described.get(short[name], name) for name in table.names))
         for table in recording.joints
     )
     return replace(recording, joints=tuple(tables))
@@ -185,7 +184,7 @@ def _based(recording: Recording, named: str | None, robot: RobotOfUrdf) -> Robot
     """Return a robot whose base is the robot's file's, or that of the poses, if it has that."""
     below = {joint.parent for joint in robot.joints}
     names = (each.strip("/") for each in (named or "", *recording.base_frames))
-    other = replace(robot, base=next((name for name in names if name in below), robot.base))
+    other = robot._replace(base=next((name for name in names if name in below), robot.base))
     try:
         find_legs(other, {})
     except ValueError:
@@ -258,7 +257,7 @@ def named_by_legs(
     reason = "each is loaded while the leg of its name stands, by the joints"
     if (np.sort(likeness, axis=1)[:, -2] > own - CLEAR).any():
         reason += "; some legs move too much alike to be told apart surely"
-    return replace(offered, feet=feet, marks=(*offered.marks, (0, reason)))
+    return offered._replace(feet=feet, marks=(*offered.marks, (0, reason)))
 
 
 def _load_at(samples: Samples, time: Ints) -> Floats:

@@ -66,8 +66,8 @@ def decide_contacts(
     decided = list(feet)
     if flagged:
         findings, ignores = _compare_flags([feet[row] for row in flagged], selection, flagged)
-        selection = replace(
-            selection, ignores_flags=ignores, findings=(*selection.findings, *findings)
+        selection = selection._replace(
+            ignores_flags=ignores, findings=(*selection.findings, *findings)
         )
     for row in flagged:
         each = feet[row]
@@ -141,7 +141,7 @@ def _with_levels(
     say = "estimated" if estimated else "unknown"
     types = dict.fromkeys(channel.type_name for channel in own)
     findings += (not_calibrated(robot, unscaled, name, say, reason) for name in types)
-    return replace(selection, robot=robot, findings=tuple(findings)), offsets
+    return selection._replace(robot=robot, findings=tuple(findings)), offsets
 
 
 def _contact_level(samples: Samples) -> tuple[float, float, str]:
@@ -223,7 +223,7 @@ def with_joined_sensors(
     finding = Finding("TOPICS_CHOSEN", f"several sensors of one foot, by their {how}: {text}")
     return (
         replace(recording, feet=tuple(samples), links=links, topics=topics),
-        replace(selection, robot=replace(selection.robot, feet=joined), feet_of=of),
+        selection._replace(robot=replace(selection.robot, feet=joined), feet_of=of),
         (finding,),
     )
 

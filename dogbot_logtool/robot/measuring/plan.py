@@ -1,7 +1,7 @@
 """The plan of `stats`: which topics are read, and what is known of them before they are."""
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from dogbot_logtool.core.analysis import FindLegs
 from dogbot_logtool.core.base.poses import scaled
@@ -37,8 +37,7 @@ _OF_ROBOT: Final = (
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MeasuringPlan:
+class MeasuringPlan(NamedTuple):
     """What is read of a log."""
 
     selection: Selection
@@ -62,8 +61,7 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
         raise LogError(nothing_to_do(log, selection.findings))
     planned = _planned(log, selection, options)
     commands, accelerations, findings = side_topics(log, selection.robot)
-    wanted = replace(
-        selection.wanted(),
+    wanted = selection.wanted()._replace(
         joints=joints,
         commands=commands,
         accelerations=accelerations,
@@ -155,8 +153,7 @@ def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     return None, ""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Prepared:
+class Prepared(NamedTuple):
     """A recording with all that is known of it before it is measured."""
 
     recording: Recording
@@ -206,7 +203,7 @@ def prepare(
         if named := named_by_legs(log, options, selection, recording.feet):
             others = (each for each in selection.findings if each.code != "FEET_UNSURE")
             offer = offer_finding(log, [named], call_of(log, options, ""), "")
-            selection = replace(selection, findings=(*others, offer))
+            selection = selection._replace(findings=(*others, offer))
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
     start, end = wanted.limits

@@ -1,9 +1,9 @@
 """A robot's description: the log's own, the user's file, or one of primitives; its moving links."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -70,8 +70,7 @@ def own_description(log: Log) -> str | None:
     return None
 
 
-@dataclass(frozen=True, slots=True)
-class Model:
+class Model(NamedTuple):
     """The robot's description, the log's own or the user's."""
 
     robot: RobotOfUrdf | None
@@ -97,8 +96,7 @@ def read_model(log: Log, urdf: Path | None) -> Model:
         return Model(None, f"the robot description {error}")
 
 
-@dataclass(frozen=True, slots=True)
-class RobotDescription:
+class RobotDescription(NamedTuple):
     """The content of `/robot_description`."""
 
     urdf: str | None
@@ -130,7 +128,7 @@ def robot_description(
     """
     urdf = None if options.urdf is None else read_urdf(options.urdf)
     frames = walk.frames
-    shape, bones = robot_shape(selection, frames), skeleton(selection, frames)
+    shape, bones = robot_shape(walk), skeleton(selection, frames, {})
     joints = _moved_joints(model, walk) if model else ()
     hips = None
     if shape.hips and not (bones.legs or joints):

@@ -1,8 +1,7 @@
 """The legs of a URDF: feet, which leg is which, forward axis, masses."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -64,8 +63,8 @@ def find_legs(
     aside = places[:, 1] * np.cos(turn) - places[:, 0] * np.sin(turn)
     names = leg_names(np.column_stack([ahead, aside, places[:, 2]]))
     legs = [
-        replace(
-            end.leg, name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
+        end.leg._replace(
+            name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
         )
         for name, end in zip(names, feet, strict=True)
     ]
@@ -83,8 +82,7 @@ def axis_by_names(robot: RobotOfUrdf, posture: Mapping[str, float]) -> str | Non
     return axis if all(_position_in(leg) == leg.position for leg in legs) else None
 
 
-@dataclass(frozen=True, slots=True)
-class _End:
+class _End(NamedTuple):
     """A chain of joints that no joint goes on from."""
 
     leg: Leg

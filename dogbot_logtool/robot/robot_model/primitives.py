@@ -14,7 +14,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.rotations import roll_pitch_yaw
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton, body_size_m
 

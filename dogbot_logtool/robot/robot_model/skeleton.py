@@ -1,18 +1,15 @@
 """What a log's frames tell of its robot: those below the base, feet, shape, and limbs over time."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
-from dogbot_logtool.core.base.axes import nearest_axis
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.selection import Selection
 
 _INSIDE: Final = 0.75
@@ -29,8 +26,7 @@ Places = Mapping[int, tuple[str, Point]]
 """The frame of each foot and where it touches the ground, m in that frame, by its index."""
 
 
-@dataclass(frozen=True, slots=True)
-class Skeleton:
+class Skeleton(NamedTuple):
     """The frames below the base."""
 
     base: str
@@ -54,8 +50,7 @@ class Skeleton:
         return [name for name, own in self.frames.items() if name in legs or not own.static]
 
 
-@dataclass(frozen=True, slots=True)
-class RobotShape:
+class RobotShape(NamedTuple):
     """The known shape of the robot."""
 
     forward_axis: str
@@ -68,10 +63,16 @@ class RobotShape:
     """Length of the body, or its height above the feet if that is more."""
 
 
-def skeleton(selection: Selection, probe: KnownFrames) -> Skeleton:
-    """Return the frames of a log that hang below the base; those with two parents do not."""
-    parents, base = probe.parent_of, probe.base
-    known = probe.tracks(parents)
+def skeleton(selection: Selection, probe: KnownFrames, links: Mapping[str, FrameTrack]) -> Skeleton:
+    """Return the frames of a log that hang below the base; those with two parents do not.
+
+    Args:
+        selection: the robot's feet.
+        probe: the frames that the log's transforms place.
+        links: those that joint states place.
+    """
+    base, known = probe.base, {**links, **probe.tracks(probe.parent_of)}
+    parents = {child: track.parent for child, track in known.items()}
     chains = {child: chain_of_frames(parents, child, base) or () for child in known}
     below = sorted((len(chain), child) for child, chain in chains.items() if chain)
     frames = {child: known[child] for _, child in below}
@@ -115,31 +116,16 @@ def place_of_foot(
     return None
 
 
-def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
+def robot_shape(walk: Walk) -> RobotShape:
     """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
-    robot = selection.robot
-    stances = {foot: _rounded(point) for foot, point in probe.stances.items()}
-    length = height = body_size_m(robot.mass_kg)[0]
+    stances = {foot: _rounded(point) for foot, point in walk.frames.stances.items()}
+    length = height = body_size_m(walk.settings.mass_kg)[0]
     if stances:
         points = np.array(list(stances.values()))
         height = max(-float(median_of(points[:, 2])), 0.0) or length
         length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
     hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
-    axis = _axis_by_feet(robot, stances) if selection.robot_is_guessed else None
-    return RobotShape(axis or robot.forward_axis, hips, height, max(length, height))
-
-
-def _axis_by_feet(robot: Robot, stances: Mapping[int, Point]) -> str | None:
-    """Return the axis from hind to fore feet; None: their positions are not known."""
-    ends: dict[str, list[Point]] = {"front": [], "back": []}
-    for number, point in stances.items():
-        position = robot.feet[number].leg_position
-        if position is not None and position[0] in ends:
-            ends[position[0]].append(point)
-    if not all(ends.values()):
-        return None
-    fore, hind = (np.mean(points, axis=0) for points in ends.values())
-    return nearest_axis((fore - hind)[:2])
+    return RobotShape(walk.settings.forward_axis, hips, height, max(length, height))
 
 
 def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
@@ -148,8 +134,7 @@ def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
     return 3.0 * third, 2.0 * third, third
 
 
-@dataclass(frozen=True, slots=True)
-class Limbs:
+class Limbs(NamedTuple):
     """The origins of frames below the base, and the feet's soles, over time."""
 
     point: Float32s
@@ -170,29 +155,20 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
         selection: the robot's feet.
         time: (n,) ns on the walk's clock, increasing.
     """
-    probe, links = walk.frames, walk.legs.links if walk.legs else {}
-    known = skeleton(selection, probe)
-    tracks = {**links, **known.frames}
-    parents = {child: track.parent for child, track in tracks.items()}
-    moved = [child for child in links if child not in known.frames and not links[child].static]
-    drawn = [
-        frame
-        for frame in (*known.limbs, *moved)
-        if chain_of_frames(parents, frame, probe.base) is not None
-    ]
+    known = skeleton(selection, walk.frames, walk.legs.links if walk.legs else {})
+    drawn, base = known.limbs, known.base
     if not drawn or len(drawn) > MOST_FRAMES:
         return None
-    places = _places(selection, probe).items()
-    feet = {foot: place for foot, place in places if place[0] in parents}
+    parents = {child: track.parent for child, track in known.frames.items()}
     points: list[Floats] = []
-    for frame, point in (*((frame, _ORIGIN) for frame in drawn), *feet.values()):
-        pose = lookup(tracks, frame, probe.base, time, _recorded(tracks, frame, time))
+    for frame, point in (*((frame, _ORIGIN) for frame in drawn), *known.feet.values()):
+        pose = lookup(known.frames, frame, base, time, _recorded(known.frames, frame, time))
         points.append(pose.translation + rotate(pose.rotation, np.array([point])))
-    above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in feet.values())]
-    sole = {foot: len(drawn) + index for index, foot in enumerate(feet)}
+    above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in known.feet.values())]
+    sole = {foot: len(drawn) + index for index, foot in enumerate(known.feet)}
     return Limbs(
         np.stack(points, axis=1).astype(np.float32),
-        tuple(_nearest(drawn, parents, probe.base, frame) for frame in above),
+        tuple(_nearest(drawn, parents, base, frame) for frame in above),
         tuple(sole.get(foot) for foot in range(len(selection.robot.feet))),
     )
 

@@ -1,9 +1,8 @@
 """URDF: reading it safely; its base link, joints and links."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import hypot, isfinite
-from typing import Final, cast
+from typing import Final, NamedTuple, cast
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -27,8 +26,7 @@ _CENTRED: Final = 0.5
 """Share of its radius that a ball may be off its link's origin."""
 
 
-@dataclass(frozen=True, slots=True)
-class Link:
+class Link(NamedTuple):
     """A link of a robot description."""
 
     mass_kg: float = 0.0
@@ -41,8 +39,7 @@ class Link:
     """Of the ball there; 0: there is none."""
 
 
-@dataclass(frozen=True, slots=True)
-class RobotOfUrdf:
+class RobotOfUrdf(NamedTuple):
     """What a robot description tells of a robot."""
 
     base: str

@@ -2,17 +2,15 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, Self
+from typing import ClassVar, NamedTuple, Self
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.writer.described import STAMP, Described
 from dogbot_logtool.writer.template import Columns, Literal, Of, Template, learn
 
 
-@dataclass(frozen=True, slots=True)
-class MessageType:
+class MessageType(NamedTuple):
     """One of our schemas, as an MCAP file describes it."""
 
     name: str

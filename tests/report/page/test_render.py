@@ -74,14 +74,14 @@ def test_the_page_loads_nothing_and_has_each_id_once() -> None:
 def test_texts_of_a_log_stay_texts() -> None:
     walk = measured(TROT).walk
     names = {foot.name: f"{HOSTILE}{row}" for row, foot in enumerate(walk.feet)}
-    feet = tuple(replace(foot, name=names[foot.name], topic=HOSTILE) for foot in walk.feet)
+    feet = tuple(foot._replace(name=names[foot.name], topic=HOSTILE) for foot in walk.feet)
     assert walk.main is not None
     gait = walk.main.gait
     phase = {names[name]: each for name, each in gait.phase.items()}
-    main = replace(walk.main, gait=replace(gait, phase=phase))
-    topics = tuple(replace(topic, topic=HOSTILE) for topic in walk.corrected.topics)
+    main = walk.main._replace(gait=replace(gait, phase=phase))
+    topics = tuple(topic._replace(topic=HOSTILE) for topic in walk.corrected.topics)
     html = page_of(
-        replace(walk, feet=feet, corrected=replace(walk.corrected, topics=topics), main=main),
+        replace(walk, feet=feet, corrected=walk.corrected._replace(topics=topics), main=main),
         100,
         path=f"a/{HOSTILE.replace('/', '')}",
         damage=Damage(HOSTILE, (Loss(1, HOSTILE, 2),)),

@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
@@ -122,7 +121,7 @@ class BagLog(RecordLog):
             named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
             # Index records of the usual size need not be looked at.
             is_usual = end - chunk.end == named
-            chunks[offset] = replace(chunk, index_end=end) if is_usual else chunk
+            chunks[offset] = chunk._replace(index_end=end) if is_usual else chunk
         return chunks
 
     def _times_hold(self) -> bool:
@@ -166,7 +165,7 @@ class BagLog(RecordLog):
             return self._take_chunk(chunk, chunk.end)
         stated = record.number("size")
         return self._take_chunk(
-            replace(chunk, data_size=stated, size=stated), chunk.data_offset + stated
+            chunk._replace(data_size=stated, size=stated), chunk.data_offset + stated
         )
 
     def _passed_zeros(self, offset: int) -> int | None:
@@ -182,8 +181,20 @@ class BagLog(RecordLog):
     def _index_of(self, behind: memoryview) -> Index | None:
         return read_index(behind, _index_record, _INDEX_ENTRY, nanoseconds)
 
+    def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
+        """See `Log.overlaps`: a chunk is left out only if the index records behind it agree.
+
+        These are not fetched from a store.
+        """
+        if super().overlaps(chunk, start, end):
+            return True
+        if chunk.is_scanned or not self.source.has_cheap_seeks:
+            return False
+        first, last = self._own_times(chunk)
+        return super().overlaps(chunk._replace(start_time=first, end_time=last), start, end)
+
     def _own_times(self, chunk: Chunk) -> Times:
-        """See `RecordLog._own_times`: those that the index records behind it name."""
+        """Return the log times, ns, that the index records behind a chunk name."""
         index = self._index_of(memoryview(self.source.read(chunk.end, chunk.index_end - chunk.end)))
         if index is None or not index.complete or not len(index.log_time):
             return None, None

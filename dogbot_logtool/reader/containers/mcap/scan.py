@@ -3,8 +3,6 @@
 import struct
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import replace
-from functools import partial
 from operator import attrgetter, itemgetter
 from typing import Final
 
@@ -17,8 +15,6 @@ from dogbot_logtool.reader.containers.log import (
     Chunk,
     Extra,
     Schema,
-    counts_by_channel,
-    differing_counts,
     time_range,
 )
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
@@ -43,12 +39,11 @@ from dogbot_logtool.reader.containers.mcap.summary import (
 from dogbot_logtool.reader.containers.record_log import (
     IndexEntry,
     RecordLog,
-    Times,
     UnusableIndex,
     open_records,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.content import ChunkContent, ChunkDamage
+from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
@@ -124,53 +119,21 @@ class McapLog(RecordLog):
         self._outside = []
         named = {chunk.offset: chunk for chunk in self._named}
         heads = in_groups(self.source, [(offset, CHUNK_HEAD_SIZE) for offset in named])
-        is_vouched = bool(footer.summary_crc)
         stated = Counter(statistics.channel_message_counts)
         is_counted = all(chunk.counts is not None for chunk in self._named)
-        return (
+        return bool(
             stated.total() == statistics.message_count
             and len(named) == len(self._named)
             # To ask a store for the header of each chunk takes longer than all else.
             and (
-                (is_vouched and not self.source.has_cheap_seeks)
-                or all(map(partial(self._is_there, is_vouched), self._named, heads))
+                (footer.summary_crc and not self.source.has_cheap_seeks)
+                or all(map(_is_head_of, heads, self._named))
             )
             and self._holds(len(MCAP_MAGIC), footer.summary_start, named)
             and (not is_counted or Counter(self._counted()) == stated)
             and len(self.extras) == statistics.attachment_count + statistics.metadata_count
             and not self._take_outside()
-            and self._is_described()
         )
-
-    def _is_there(self, is_vouched: bool, chunk: Chunk, head: bytes) -> bool:  # noqa: FBT001
-        """Tell whether a chunk stands where its index says, and is as its index says.
-
-        Its own header may be damaged if a checksum vouches for the summary.
-        """
-        own = chunk_at(chunk.offset, head)
-        if own is None:
-            return is_vouched
-        if _are_alike(own, chunk):
-            return True
-        return is_vouched and (self._tried(chunk) is not None or self._tried(own) is None)
-
-    def _tried(self, chunk: Chunk) -> ChunkContent | None:
-        """Return what is in a chunk; None if nothing in it can be trusted."""
-        try:
-            return self._content(chunk)
-        except ChunkDamage:
-            return None
-
-    def _is_described(self) -> bool:
-        """Tell whether the first chunk, if it can be read, describes channels as the summary does.
-
-        Recorders describe most channels there.
-        """
-        content = self._tried(self.chunks[0]) if self.chunks else None
-        if content is None:
-            return True
-        differs = self.descriptions.compare(content.described, self.chunks[0].offset)
-        return not differs and counts_by_channel(content.messages).keys() <= self.channels.keys()
 
     def _step(self, offset: int) -> int | None:
         size = self.source.size
@@ -261,11 +224,6 @@ class McapLog(RecordLog):
     def _index_of(self, behind: memoryview) -> Index | None:
         return read_index(behind, _index_record, _INDEX_ENTRY, itemgetter("log_time"))
 
-    def _own_times(self, chunk: Chunk) -> Times:
-        """See `RecordLog._own_times`: those of its header."""
-        own = chunk_at(chunk.offset, self.source.read(chunk.offset, CHUNK_HEAD_SIZE))
-        return (own.start_time, own.end_time) if own else (None, None)
-
     def _described_channels(self) -> Mapping[int, Channel]:
         schemas = {
             each.number: Schema(each.number, each.name, *each.facts.values())
@@ -302,7 +260,7 @@ class McapLog(RecordLog):
             if loss is not None:
                 # Outside chunks, a message may be lost without a trace.
                 unknown = bare and self._statistics is None
-                self._losses.add(replace(loss, messages=None) if unknown else loss)
+                self._losses.add(loss._replace(messages=None) if unknown else loss)
         elif self._closed:
             what = "the record that ends the log's data is missing, and maybe others before it"
             self._losses.add(Loss(self.source.size, what, 0, None))
@@ -314,10 +272,6 @@ class McapLog(RecordLog):
             explained = known_lost is None or stated <= found + known_lost
             what = f"the summary counts {stated} messages, but {found} were found"
             self._losses.add(Loss(0, what, 0, 0 if explained else None))
-            return
-        counts = statistics.channel_message_counts
-        if what := differing_counts(self.channels, counts, self.counts):
-            self._losses.add(Loss(0, f"the summary counts {what}"))
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
@@ -330,10 +284,16 @@ def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
     return channel, behind[start : start + size], end
 
 
+def _is_head_of(head: bytes, chunk: Chunk) -> bool:
+    """Tell whether a chunk's own header, given by its first bytes, is as its index says."""
+    own = chunk_at(chunk.offset, head)
+    return own is not None and _are_alike(own, chunk)
+
+
 def _are_alike(own: Chunk, chunk: Chunk) -> bool:
     """Tell whether a chunk's own header is as the chunk is known from elsewhere."""
     own_times, times = ((each.start_time, each.end_time) for each in (own, chunk))
-    return (chunk.is_scanned or own_times == times) and _LENGTHS(own) == _LENGTHS(chunk)
+    return (chunk.messages == 0 or own_times == times) and _LENGTHS(own) == _LENGTHS(chunk)
 
 
 def open_log(source: ByteSource, distribution: str) -> RecordLog:

@@ -1,12 +1,12 @@
 """Content of a decompressed chunk: which records found in it are kept, and what is lost."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags
-from dogbot_logtool.reader.containers.log import Chunk, Messages, counts_by_channel
+from dogbot_logtool.reader.containers.log import Chunk, Messages
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.salvage.records import (
     Index,
@@ -33,8 +33,7 @@ class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` do
         self.messages = messages
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ChunkContent:
+class ChunkContent(NamedTuple):
     """What a container's own code finds in a decompressed chunk."""
 
     messages: Messages
@@ -92,9 +91,6 @@ def read_content(
         named = None if index is None else len(index.offset)
         promised = named if chunk.messages is None else chunk.messages
         kept.account(skipped, chunk.size - len(data), promised)
-    elif chunk.counts is not None:
-        counts = index.counts if index and is_indexed else counts_by_channel(kept.found)
-        kept.compare_counts(chunk.counts, counts)
     described = [
         data[found.offset[row] : found.end[row]].tobytes()
         for row in np.flatnonzero(~is_message).tolist()
@@ -199,15 +195,3 @@ class _Kept:
         first = skipped[0][0] if skipped else chunk.size - missing
         offset = chunk.offset if chunk.is_compressed else chunk.data_offset + first
         self.losses.append(Loss(offset, what, size, lost))
-
-    def compare_counts(self, stated: Mapping[int, int], counts: Mapping[int, int]) -> None:
-        """Say where the log's index names other numbers of messages."""
-        wrong = [n for n in sorted({*stated, *counts}) if stated.get(n, 0) != counts.get(n, 0)]
-        if not wrong:
-            return
-        found, promised, of_channel = sum(counts.values()), sum(stated.values()), ""
-        if found == promised:
-            found, promised = counts.get(wrong[0], 0), stated.get(wrong[0], 0)
-            of_channel = f" of channel {wrong[0]}"
-        what = f"{self._name} holds {found} messages{of_channel} where the log's index names "
-        self._say(f"{what}{promised}")

@@ -6,10 +6,9 @@ another; behind a damaged one the search goes on at the next sound one.
 """
 
 import re
-from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,8 +50,7 @@ class Records(Messages):
         return Messages(*(getattr(self, column.name) for column in fields(Messages)))
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Index:
+class Index(NamedTuple):
     """A chunk's index of its messages, in the order of their offsets."""
 
     offset: Ints
@@ -63,8 +61,6 @@ class Index:
     """(n,) ns."""
     group: Ints
     """(n,) which index record named it."""
-    counts: Mapping[int, int]
-    """Messages by channel, as numbered in the records."""
     complete: bool
     """Nothing but index records was there."""
 
@@ -89,14 +85,12 @@ def read_index(
     """
     parts: list[memoryview] = []
     named: list[tuple[int, int]] = []
-    by_channel: Counter[int] = Counter()
     end = 0
     while end < len(behind) and (record := record_at(behind, end)):
         if len(record[1]) % entry.itemsize:
             break
         channel, entries, end = record
         count = len(entries) // entry.itemsize
-        by_channel[channel] += count
         parts.append(entries)
         named.append((channel, count))
     if not parts:
@@ -109,7 +103,7 @@ def read_index(
     group = np.repeat(np.arange(len(counts)), counts)[order]
     complete = end == len(behind)
     log_time = log_times(table)[order]
-    return Index(offset[order], channels[group], log_time, group, by_channel, complete)
+    return Index(offset[order], channels[group], log_time, group, complete)
 
 
 class RecordFormat(Protocol):

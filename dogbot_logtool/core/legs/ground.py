@@ -10,8 +10,7 @@ on the foot (Featherstone 2008); solved for f.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from dogbot_logtool.core.arrays import (
     median_of,
     median_of_known,
     percentiles_of,
+    picked,
 )
 from dogbot_logtool.core.corrections.clock import (
     TimeSource,
@@ -44,8 +44,7 @@ FEWEST: Final = 20
 """Joint states at least."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegJoints:
+class LegJoints(NamedTuple):
     """The k joints of all legs at n times."""
 
     names: tuple[str, ...]
@@ -73,58 +72,35 @@ class LegJoints:
 
 
 def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoints:
-    """Return joints at the times of the topic that tells of most of them.
+    """Return the joints of the topic that tells of most of them.
 
     Args:
-        tables: joint states, the best topic first.
+        tables: joint states, at least one, the best topic first.
         names: of the joints.
 
     Raises:
         ValueError: a sentence: not all of them are told, or too rarely.
     """
-    table_of = {name: table for table in reversed(tables) for name in table.names}
-    if lacking := [name for name in names if name not in table_of]:
-        text = f"joint states do not tell of {', '.join(lacking)}"
+    table = max(tables, key=lambda each: len(set(names).intersection(each.names)))
+    if lacking := [name for name in names if name not in table.names]:
+        text = f"joint states of {table.topic} do not tell of {', '.join(lacking)}"
         raise ValueError(f"{text}, which the robot description has")
-    of = [table_of[name] for name in names]
-    main = max(of, key=of.count)
-    checks = {t.topic: check_stamps(t.topic, t.samples.stamp, t.samples.log_time) for t in of}
-    stamped = all(check.mostly_usable for check in checks.values())
-    clock = TimeSource.HEADER if stamped else TimeSource.LOG
-    own = [main.names.index(name) for name in names if table_of[name] is main]
-    usable = all_finite(main.samples.position[:, own])
-    if stamped:
-        usable &= checks[main.topic].usable
-    rows, all_times = np.flatnonzero(usable), clock.of(main.samples)
-    rows = rows[advancing(all_times[rows])]
-    rows = rows[first_at_each_tick(all_times[rows], RATE_HZ)]
-    time = all_times[rows]
-    position, effort = np.full((2, len(rows), len(names)), np.nan)
-    for column, (name, table) in enumerate(zip(names, of, strict=True)):
-        samples, there = table.samples, table.names.index(name)
-        for found, recorded in ((position, samples.position), (effort, samples.effort)):
-            values = recorded[:, there]
-            same = table is main
-            found[:, column] = (
-                values[rows] if same else _interpolated(time, clock.of(samples), values)
-            )
-    if len(rows) < FEWEST or not np.isfinite(position).all():
+    samples = table.samples.only(np.array([table.names.index(name) for name in names]))
+    check = check_stamps(table.topic, samples.stamp, samples.log_time)
+    usable, clock = all_finite(samples.position), TimeSource.LOG
+    if check.mostly_usable:
+        usable, clock = usable & check.usable, TimeSource.HEADER
+    rows, time = np.flatnonzero(usable), clock.of(samples)
+    rows = rows[advancing(time[rows])]
+    rows = rows[first_at_each_tick(time[rows], RATE_HZ)]
+    if len(rows) < FEWEST:
         raise ValueError("too few joint states tell the positions of all joints of the legs")
-    interval_s = float(median_of(np.diff(time))) / 1e9
+    interval_s = float(median_of(np.diff(time[rows]))) / 1e9
     if interval_s > SLOWEST_S:
         raise ValueError(f"joint states come {1.0 / interval_s:.3g} times a second, too rarely")
-    times = main.samples.log_time[rows], main.samples.stamp[rows], time
-    return LegJoints(tuple(names), main.topic, clock, *times, position, effort)
-
-
-def _interpolated(at: Ints, time: Ints, values: Floats) -> Floats:
-    """(n,) values of another topic; NaN where all are."""
-    rows = np.flatnonzero(np.isfinite(values))
-    rows = rows[advancing(time[rows])]
-    if not len(rows):
-        return np.full(len(at), np.nan)
-    first = time[rows[0]]
-    return np.asarray(np.interp(at - first, time[rows] - first, values[rows]))
+    kept = picked(samples, rows)
+    times = kept.log_time, kept.stamp, time[rows]
+    return LegJoints(tuple(names), table.topic, clock, *times, kept.position, kept.effort)
 
 
 BLOCK_S: Final = 0.5
@@ -189,8 +165,7 @@ EDGE: Final = 0.2
 """Share of a contact at either end in which the foot may not rest yet, or any more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Ground:
+class Ground(NamedTuple):
     """What the feet tell of the ground below."""
 
     resting: Flags

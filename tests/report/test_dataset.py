@@ -1,14 +1,9 @@
 """`export --dataset`: a row a log whatever its name, and what is said of it."""
 
-import functools
-import http.server
 import json
 import os
 import re
 import shutil
-import threading
-import urllib.parse
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +16,7 @@ from upath import UPath
 
 from dogbot_logtool.commands.tasks import measure_entry
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.dataset import dataset_at
+from dogbot_logtool.report.dataset import Entry, dataset_at, hash_of
 from dogbot_logtool.report.dataset_tables import TABLES
 from dogbot_logtool.run.inputs import Found, LogSet
 from tests.forked_cli import Ended, run
@@ -66,15 +61,6 @@ def test_what_was_done_is_said_and_damaged_logs_are_named(tmp_path: Path) -> Non
     assert export(tmp_path, ".", "-q").stderr == said
 
 
-def test_names_of_any_bytes_are_rows(tmp_path: Path) -> None:
-    for name in (b"\xff.bag", b"\xfe.bag", b"a=b.bag", "é.bag".encode()):
-        shutil.copy(short(), Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name)))
-    assert export(tmp_path, ".", jobs=2).returncode == 0
-    names = sorted(row["path"].rpartition("/")[2] for row in rows(tmp_path))
-    assert names == ["\\xfe.bag", "\\xff.bag", "a=b.bag", "é.bag"]
-    assert "4 unchanged" in export(tmp_path, ".").stderr
-
-
 def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> None:
     (tmp_path / "walks").write_text("mine")
     done = export(tmp_path, short())
@@ -86,60 +72,6 @@ def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> 
     done = export(odd, short())
     assert done.returncode == 2
     assert "must be UTF-8" in done.stderr
-
-
-class _Runs(http.server.SimpleHTTPRequestHandler):
-    """Serves the file that a query names, whatever the path."""
-
-    def translate_path(self, path: str) -> str:
-        query = urllib.parse.parse_qs(urllib.parse.urlsplit(path).query)
-        return str(Path(self.directory) / query["run"][0])
-
-    def log_message(self, *_words: object) -> None:
-        """Say nothing."""
-
-
-@pytest.fixture
-def server(tmp_path: Path) -> Iterator[str]:
-    """Serve two logs under one path."""
-    runs = tmp_path / "runs"
-    runs.mkdir()
-    shutil.copy(TROUBLED, runs / "1")
-    (runs / "2").write_bytes(TROT.read_bytes()[:900_000])
-    handler = functools.partial(_Runs, directory=str(runs))
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as running:
-        thread = threading.Thread(target=running.serve_forever, args=(0.02,))
-        thread.start()
-        yield f"http://127.0.0.1:{running.server_port}/log.bag"
-        running.shutdown()
-        thread.join()
-
-
-def test_urls_that_differ_in_their_query_are_two_logs(tmp_path: Path, server: str) -> None:
-    urls = [f"{server}?run={run}&token=secret" for run in (1, 2)]
-    done = export(tmp_path, *urls)
-    assert done.returncode == 3, done.stderr
-    assert [row["path"] for row in rows(tmp_path)] == [server, server]
-    assert len({row["log_hash"] for row in rows(tmp_path)}) == 2
-    assert len({row["log"]["messages"] for row in rows(tmp_path)}) == 2
-    assert {row["log_hash"] for row in rows(tmp_path, "strides")} <= {
-        row["log_hash"] for row in rows(tmp_path)
-    }
-    written = b"".join(f.read_bytes() for f in (tmp_path / "walks").rglob("*.parquet"))
-    assert b"secret" not in written
-    assert "secret" not in done.stderr
-
-
-def test_a_log_is_a_file_of_each_table(tmp_path: Path) -> None:
-    for name in ("a", "b"):
-        shutil.copy(short(), tmp_path / f"{name}.bag")
-    assert export(tmp_path, ".").returncode == 0
-    for table in ("logs", "feet", "strides", "events", "findings"):
-        hashes = {row["log_hash"] for row in rows(tmp_path)}
-        assert {file.stem for file in files(tmp_path) if file.parent.name == table} == hashes
-        assert len(hashes) == 2
-        assert {row["log_hash"] for row in rows(tmp_path, table)} == hashes
-    assert {row["path"].rpartition("/")[2] for row in rows(tmp_path)} == {"a.bag", "b.bag"}
 
 
 def test_rows_hold_what_the_json_says(tmp_path: Path) -> None:
@@ -215,6 +147,13 @@ def test_a_dataset_in_a_store() -> None:
     log.unlink()
     assert dataset.begin(LogSet((), 0), prune=True).pruned == (str(log),)
     assert not list(root.rglob("*.parquet"))
+    # The query of a URL tells logs apart, and is a secret.
+    for query in ("first", "second"):
+        url = UPath(f"https://host/log.bag?{query}=secret")
+        dataset.write(Entry(url, hash_of(url), {}), done.tables, damaged=False)
+    written = [each.read_bytes() for each in root.rglob("*.parquet")]
+    assert len(written) == 2 * len(TABLES)
+    assert not any(b"secret" in each for each in written)
 
 
 def test_labels_stay_until_they_are_given_anew(tmp_path: Path) -> None:

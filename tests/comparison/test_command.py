@@ -9,7 +9,7 @@ import pytest
 from mcap.writer import Writer
 
 import dogbot_logtool as dl
-from tests.comparison.recordings import JSON, Recording, recording
+from tests.comparison.recordings import JSON, recording
 from tests.forked_cli import Ended
 from tests.forked_cli import run as run_command
 
@@ -153,37 +153,3 @@ def test_very_many_topics_take_no_longer_than_their_number(
     done = run(*files, "--ignore", "/nothing", timeout=60)
     assert done.returncode == 1
     assert "/t77[0] t=0.000 s: missing" in done.stdout
-
-
-def with_metadata(path: Path, **values: str) -> None:
-    plain = recording({"/a": JSON, "/b": JSON}, ("/a", 0, b"1"), ("/b", 0, b"1"))
-    Recording(plain.kinds, plain.messages, {"dogbot_logtool": values} if values else {}).write(path)
-
-
-@pytest.mark.parametrize(
-    "pattern",
-    ["metadata:dogbot_logtool", "metadata:*", "metadata:dogbot_logtool.*", "(records)"],
-)
-def test_our_own_metadata_can_be_ignored_by_its_name(
-    files: tuple[Path, Path], pattern: str
-) -> None:
-    with_metadata(files[0])
-    with_metadata(files[1], version="1", style="pressure")
-    result = dl.compare(*files)
-    assert result.exit_code == 1
-    assert result.differences[0].line.startswith("(records) metadata:dogbot_logtool: expected not")
-    if pattern != "metadata:dogbot_logtool.*":
-        assert dl.compare(*files, ignore=[pattern]).exit_code == 0
-    with_metadata(files[0], version="2", style="force")
-    assert dl.compare(*files).exit_code == 1
-    assert dl.compare(*files, ignore=[pattern]).exit_code == 0
-
-
-@pytest.mark.parametrize("ignore", [["*"], ["/*"], ["/a", "/b"], ["*", "profile"]])
-def test_a_log_of_which_all_is_ignored_is_a_wrong_call(
-    files: tuple[Path, Path], ignore: list[str]
-) -> None:
-    for path in files:
-        with_metadata(path)
-    with pytest.raises(dl.CallError, match="--ignore leaves no topic to compare"):
-        dl.compare(*files, ignore=ignore)

@@ -1,8 +1,8 @@
 """Feet without sensors and a base without poses: what the joints of the legs tell of both."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -15,13 +15,22 @@ from dogbot_logtool.core.arrays import (
     median_of,
     nearest_rows,
 )
-from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
-from dogbot_logtool.core.base.leg_odometry import LegOdometry, dead_reckoned, leg_odometry
+from dogbot_logtool.core.base.leg_odometry import (
+    LONG_S,
+    Inertial,
+    LegOdometry,
+    by_attitude,
+    dead_reckoned,
+    inertial_at,
+    leg_odometry,
+    level,
+)
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
-from dogbot_logtool.core.estimated.ground import (
+from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
+from dogbot_logtool.core.legs.ground import (
     FEWEST,
     SLOWEST_S,
     Ground,
@@ -35,7 +44,6 @@ from dogbot_logtool.core.estimated.ground import (
     slopes,
     stuck_joint,
 )
-from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -56,8 +64,7 @@ TURNS_S: Final = 0.1
 """s before and after a time, over which turns by the feet are averaged."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Estimate:
+class Estimate(NamedTuple):
     """What legs tell."""
 
     feet: tuple[Samples, ...]
@@ -100,12 +107,8 @@ def estimate(
         raise ValueError(stuck)
     inertial, turns_from = _inertial(recording, joints, mounting)
     feet = _resting(joints, motions, rates, inertial)
-    inertial, _ = _inertial(recording, joints, mounting, has_turns=False)
-    alone = _resting(joints, motions, rates, inertial, by_feet=True)
-    if not turns_from:
-        feet, turns_from = alone, _BY_FEET
-    elif why := _contradiction(feet, alone, turns_from):
-        feet, turns_from = alone, f"{_BY_FEET}, since {why}"
+    if turns_from == _BY_FEET:
+        feet = _turned_by_feet(feet)
     inertial, points, ground = feet.inertial, feet.points, feet.ground
     force, why = _forces(joints, motions, points, inertial, mass_kg)
     standing = ground.resting
@@ -114,7 +117,7 @@ def estimate(
         standing = loaded_feet(seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
     standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
     moved = feet.odometry(standing)
-    if why_not := _unsure(standing, moved):
+    if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
         raise ValueError(why_not)
     base = _poses(joints, feet, standing, moved)
     placed = base
@@ -141,8 +144,7 @@ def estimate(
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class _Resting:
+class _Resting(NamedTuple):
     """Which feet rest on the ground, by how they and the base move."""
 
     time: Ints
@@ -160,12 +162,7 @@ class _Resting:
 
 
 def _resting(
-    joints: LegJoints,
-    motions: Sequence[LegMotion],
-    rates: Sequence[Floats],
-    inertial: Inertial,
-    *,
-    by_feet: bool = False,
+    joints: LegJoints, motions: Sequence[LegMotion], rates: Sequence[Floats], inertial: Inertial
 ) -> _Resting:
     """Tell which feet rest.
 
@@ -174,74 +171,81 @@ def _resting(
         motions: of each leg.
         rates: (n, k) rad/s or m/s, of the joints of each leg.
         inertial: how the base leans and turns.
-        by_feet: whether it turns as the resting feet tell.
     """
-    seconds, up = joints.seconds, inertial.up
+    up = inertial.up
     points = np.stack([each.foot - each.leg.radius_m * up for each in motions], axis=1)
     moved = [
         np.einsum("nik,nk->ni", motion.jacobian(points[:, foot])[0], rates[foot])
         for foot, motion in enumerate(motions)
     ]
     velocity = np.stack(moved, axis=1)
-    if by_feet:
-        inertial = _turned_by_feet(joints.time, points, low_feet(seconds, points, up), inertial)
-        ground = resting_feet(seconds, points, velocity, inertial.turn, up)
-        inertial = _turned_by_feet(joints.time, points, ground.resting, inertial)
-    ground = resting_feet(seconds, points, velocity, inertial.turn, up)
+    ground = resting_feet(joints.seconds, points, velocity, inertial.turn, up)
     return _Resting(joints.time, inertial, points, velocity, ground)
 
 
-def _share_known(moved: LegOdometry) -> float:
-    """Return the share of intervals in which feet tell how the base moves."""
-    return float((moved.feet > 0).mean())
+def _turned_by_feet(feet: _Resting) -> _Resting:
+    """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
+    seconds = (feet.time - feet.time[0]) / 1e9
+    standing = low_feet(seconds, feet.points, feet.inertial.up)
+    around = 2 * round(TURNS_S / float(median_of(np.diff(seconds)))) + 1
+    for _ in range(2):
+        rates = leg_odometry(feet.time, feet.points, standing).turn_rate[:, 2]
+        known = np.flatnonzero(np.isfinite(rates))
+        if not len(known):
+            return feet
+        filled = np.interp(np.arange(len(seconds)), known, rates[known])
+        padded = np.pad(filled, around // 2, "edge")
+        turn = feet.inertial.turn.copy()
+        turn[:, 2] = np.convolve(padded, np.ones(around) / around, "valid")
+        ground = resting_feet(seconds, feet.points, feet.velocity, turn, feet.inertial.up)
+        feet = feet._replace(inertial=feet.inertial._replace(turn=turn), ground=ground)
+        standing = ground.resting
+    return feet
 
 
-def _unsure(standing: Flags, moved: LegOdometry) -> str:
+def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
     """Say why feet do not tell surely when they stand and how the base moves; empty: they do.
 
     Args:
         standing: (n, f) which feet stand.
         moved: how the base moves by them.
+        turns_from: what tells how it turns.
     """
     steps = np.concatenate([np.diff(flagged_runs(each)[:, 0]) for each in standing.T])
     if len(steps) and (states := float(median_of(steps))) < FEWEST_IN_STRIDE:
         return f"joint states come {states:.3g} times in a stride, too rarely"
-    if (agree := _share_known(moved)) < AGREES:
+    if (agree := float((moved.feet > 0).mean())) < AGREES:
         return (
             f"standing feet agree on how the base moves in {agree:.0%} of the time only: positions "
-            "of joints are not exact enough, or not those of the robot description"
+            "of joints are not exact enough, or not those of the robot description, or turns by "
+            f"{turns_from} are not the base's in rad/s"
         )
     return ""
 
 
-def _contradiction(feet: _Resting, alone: _Resting, turns_from: str) -> str:
-    """Say how the turns that something tells contradict the feet; empty: they do not.
-
-    Args:
-        feet: with these turns.
-        alone: with turns by the feet.
-        turns_from: what tells the turns.
-    """
-    turns = [float(each.inertial.yaw_rate.mean()) for each in (feet, alone)]
-    if abs(turns[0] - turns[1]) > max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
-        return f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of theirs"
-    if _share_known(feet.odometry(feet.ground.resting)) >= AGREES:
+def _contradiction(feet: _Resting, turns_from: str) -> str:
+    """Say how turns that something tells and those of the feet differ; empty: they do not."""
+    low = low_feet((feet.time - feet.time[0]) / 1e9, feet.points, feet.inertial.up)
+    by_feet = leg_odometry(feet.time, feet.points, low).turn_rate[:, 2]
+    known = np.isfinite(by_feet)
+    if not known.any():
         return ""
-    if _share_known(alone.odometry(alone.ground.resting)) < AGREES:
+    turns = float(feet.inertial.yaw_rate[1:][known].mean()), float(by_feet[known].mean())
+    if abs(turns[0] - turns[1]) <= max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
         return ""
-    return f"{turns_from} tells turns with which standing feet do not agree"
+    return (
+        f"turns by {turns_from}, {turns[0]:.2f} rad/s in the mean, and by the standing feet, "
+        f"{turns[1]:.2f} rad/s, contradict each other"
+    )
 
 
-def _inertial(
-    recording: Recording, joints: LegJoints, mounting: Floats, *, has_turns: bool = True
-) -> tuple[Inertial, str]:
-    """Return how the base leans and turns, and by what: its inertial unit, else its poses.
+def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
+    """Return how the base leans and turns, and by what: its inertial unit, its poses, its feet.
 
     Args:
         recording: the columns of a log.
         joints: of the legs.
         mounting: of the inertial unit, as in `estimate`.
-        has_turns: whether the base's turns are told; else it does not turn.
     """
     readings = recording.accelerations
     if readings is not None:
@@ -253,31 +257,14 @@ def _inertial(
         if len(rows) >= FEWEST:
             seconds = (times[rows] - joints.time[0]) / 1e9
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
-            turn *= has_turns
             return inertial_at(joints.seconds, seconds, felt, turn, GRAVITY_MPS2), "a gyroscope"
     angles = base_history(recording.base, joints.clock).angles_at(joints.time)
     known = np.flatnonzero(all_finite(angles))
-    if len(known):
-        row = np.arange(len(angles))
-        filled = np.stack([np.interp(row, known, each[known]) for each in angles.T], axis=1)
-        inertial = by_attitude(joints.seconds, filled, GRAVITY_MPS2)
-        return replace(inertial, turn=inertial.turn * has_turns), "its poses"
-    return level(len(joints.time), GRAVITY_MPS2), ""
-
-
-def _turned_by_feet(time: Ints, points: Floats, resting: Flags, inertial: Inertial) -> Inertial:
-    """Return readings with the turn about the vertical that the resting feet tell."""
-    turns = leg_odometry(time, points, resting).turn_rate[:, 2]
-    known = np.flatnonzero(np.isfinite(turns))
     if not len(known):
-        return inertial
-    rates = np.interp(np.arange(len(time)), known, turns[known])
-    step_s = float(median_of(np.diff(time))) / 1e9
-    around = min(2 * round(TURNS_S / step_s) + 1, len(rates))
-    rates = np.convolve(np.pad(rates, around // 2, "edge"), np.ones(around) / around, "valid")
-    turn = inertial.turn.copy()
-    turn[:, 2] = rates[: len(turn)]
-    return replace(inertial, turn=turn)
+        return level(len(angles), GRAVITY_MPS2), _BY_FEET
+    row = np.arange(len(angles))
+    filled = np.stack([np.interp(row, known, each[known]) for each in angles.T], axis=1)
+    return by_attitude(joints.seconds, filled, GRAVITY_MPS2), "its poses"
 
 
 def _forces(
@@ -319,13 +306,13 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
         moved = feet.odometry(middles(standing))
     yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
-    moved = replace(moved, turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
+    moved = moved._replace(turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
     own = inertial.felt - GRAVITY_MPS2 * inertial.up
     found = dead_reckoned(moved, inertial.roll_pitch, own)
     position = found.position.copy()
     position[:, 2] = _height(seconds, feet.points, standing, inertial.up)
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
-    return Odometry(joints.log_time, joints.stamp, position, turned, rate, inertial.turn)
+    return Odometry(joints.log_time, joints.stamp, position, turned, rate)
 
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:
