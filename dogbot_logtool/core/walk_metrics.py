@@ -61,7 +61,7 @@ def _gait(walk: Walk) -> metrics.GaitOfLog:
             start_s=(each.start - walk.origin) / 1e9,
             end_s=(each.end - walk.origin) / 1e9,
             gait=each.gait,
-            **_of_span(walk, each.spans),
+            **_of_span(walk, each.span),
         )
         for each in walk.segments
     ]

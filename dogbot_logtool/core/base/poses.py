@@ -44,8 +44,6 @@ class Odometry:
     """(n, 4) quaternion x, y, z, w, base in the world frame, as recorded (any norm)."""
     linear_velocity: Floats
     """(n, 3) m/s. World or body frame: sources differ, so never trust it blindly."""
-    angular_velocity: Floats
-    """(n, 3) rad/s, same caution."""
 
     @property
     def time(self) -> Ints:
@@ -61,7 +59,7 @@ def no_odometry() -> Odometry:
     """Return none."""
     times: Ints = np.empty(0, np.int64)
     vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
-    return Odometry(times, times, vectors, quaternions, vectors, vectors)
+    return Odometry(times, times, vectors, quaternions, vectors)
 
 
 def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:

@@ -130,7 +130,7 @@ def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     duration = (foot.stances.liftoff - foot.stances.touchdown)[known]
     if not len(time):
         return time, place
-    longer = np.maximum(duration - 2 * int(median_of(duration)), 0)
+    longer = np.maximum(duration - 2.0 * int(median_of(duration)), 0.0).astype(np.int64)
     twice = np.stack([time, time + longer], axis=1).ravel()
     both = np.repeat(place, 2, axis=0)
     kept = np.concatenate([[True], np.diff(twice) > 0])

@@ -312,7 +312,7 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
     position = found.position.copy()
     position[:, 2] = _height(seconds, feet.points, standing, inertial.up)
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
-    return Odometry(joints.log_time, joints.stamp, position, turned, rate, inertial.turn)
+    return Odometry(joints.log_time, joints.stamp, position, turned, rate)
 
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:

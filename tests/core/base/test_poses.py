@@ -74,6 +74,5 @@ def test_any_finite_pose_but_a_zero_quaternion_can_be_used(
         position=np.array([position], np.float64),
         orientation=np.array([orientation], np.float64),
         linear_velocity=np.full((1, 3), NAN),
-        angular_velocity=np.full((1, 3), NAN),
     )
     assert usable_poses(poses).tolist() == [usable]
