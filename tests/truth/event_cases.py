@@ -22,7 +22,7 @@ from tests.truth.walks import FORCE, WALK
 
 FOOT: Final = "front_right"
 TROT: Final = Walk(seconds=12.0)
-LEAVES: Final = float(TROT.liftoffs(1)[6])
+LEAVES: Final = float(TROT.lift_offs(1)[6])
 LANDS: Final = float(TROT.touchdowns(1)[TROT.touchdowns(1) > LEAVES][0])
 EARLY: Final = LEAVES + 0.4 * (LANDS - LEAVES)
 

@@ -140,7 +140,7 @@ def carried() -> Scene:
     height = ((2.0, 0.45), (3.0, 1.0), (5.0, 1.0), (6.0, 0.45))
     forward = ((3.0, 0.0), (5.0, 2.0))
     load = ((1.98, 0.25), (2.02, 0.0), (5.98, 0.0), (6.02, 0.25))
-    foot = FootTruth(touchdown_s=(6.0,), liftoff_s=(2.0,), contact_fraction=0.5)
+    foot = FootTruth(touchdown_s=(6.0,), lift_off_s=(2.0,), contact_fraction=0.5)
     truth = replace(
         MOVING,
         gait_class=None,
