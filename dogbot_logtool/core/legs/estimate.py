@@ -268,11 +268,8 @@ def _forces(
     mass_kg: float | None,
 ) -> tuple[Floats | None, str]:
     """Return (n, f, 3) N along the base's axes; None, and why, where efforts tell none."""
-    if not np.isfinite(joints.effort).all():
-        some = np.isfinite(joints.effort).any()
-        return None, "some joints tell no effort" if some else "efforts are empty"
-    if not joints.effort.any():
-        return None, "efforts are constantly zero"
+    if not (np.isfinite(joints.effort).all() and joints.effort.any()):
+        return None, "efforts are empty or zero"
     efforts = [joints.effort[:, joints.columns(each.leg.measured)] for each in motions]
     force = ground_forces(joints.seconds, motions, points, efforts, inertial.felt)
     vertical = np.einsum("nfi,ni->nf", force, inertial.up)
