@@ -17,7 +17,7 @@ from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
-from tests.oracles.repacked import out_of_order, unpacked
+from tests.oracles.recorded import out_of_order, unpacked
 from tests.oracles.small_logs import first_seconds
 from tests.oracles.walks import Entry, Walk, write_bag, write_library_mcap, write_rosbag2
 from tests.paths import TROT

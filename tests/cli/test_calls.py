@@ -12,7 +12,10 @@ from dogbot_logtool.core.definitions import definitions
 from dogbot_logtool.gone import _EVERYWHERE
 from dogbot_logtool.option import options_of
 from dogbot_logtool.options import COMMANDS, CommonOptions, record_of
-from tests.oracles.small_logs import first_seconds, odometry_log, string_log
+from tests.oracles.recorded import TEXT_TYPE, S
+from tests.oracles.ros1_logs import text, write_ros1_mcap
+from tests.oracles.small_logs import first_seconds, odometry_log
+from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Shell
 
@@ -162,7 +165,7 @@ def test_what_is_no_log_exits_with_1(shell: Shell, command: str) -> None:
 
 
 def test_nothing_to_annotate_lists_the_topics(shell: Shell) -> None:
-    string_log(shell.folder / "log.mcap", [("/said", b"hello")])
+    write_ros1_mcap(shell.folder / "log.mcap", [Entry("/said", TEXT_TYPE, S, text("hello"))])
     done = shell("convert", "log.mcap")
     assert (done.code, done.out, shell.files()) == (1, "", ["log.mcap"])
     assert "/said  std_msgs/String" in done.err

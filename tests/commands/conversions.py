@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, get_args
 
 import numpy as np
@@ -88,13 +89,14 @@ class Done:
 
 
 _DONE: dict[tuple[Path, str], Done] = {}
+_FOLDER = TemporaryDirectory(prefix="converted")
 
 
-def converted(folder: Path, log: Path, **options: Any) -> Done:
+def converted(log: Path, **options: Any) -> Done:
     """Convert a log, once for the same options."""
     key = (log, repr(sorted(options.items())))
     if key not in _DONE:
-        target = folder / f"{len(_DONE)}.mcap"
+        target = Path(_FOLDER.name) / f"{len(_DONE)}.mcap"
         conversion = convert(log, target, ConvertOptions(**options))
         _DONE[key] = Done(conversion, target)
     return _DONE[key]

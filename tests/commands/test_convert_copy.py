@@ -50,9 +50,9 @@ def rows(log: Path, profile: str) -> Counter[Recorded]:
     ("log", "compression", "profile"), COPIES, ids=[f"{log.stem}-{c}" for log, c, _ in COPIES]
 )
 def test_recorded_messages_are_copied_byte_for_byte(
-    folder: Path, log: Path, compression: Compression | None, profile: str
+    log: Path, compression: Compression | None, profile: str
 ) -> None:
-    done = converted(folder, log, compression=compression)
+    done = converted(log, compression=compression)
     assert rows(log, profile) <= rows(done.path, profile)
     annotated = sum(done.conversion.annotations.values())
     assert done.conversion.copied == len(read_log(log)) == len(done.written.messages) - annotated
@@ -65,12 +65,10 @@ def test_recorded_messages_are_copied_byte_for_byte(
 @pytest.mark.parametrize(
     ("compression", "encoding"), list(zip(COMPRESSIONS, ENCODINGS, strict=True))
 )
-def test_without_copy_there_are_annotations_only(
-    folder: Path, compression: Compression, encoding: str
-) -> None:
+def test_without_copy_there_are_annotations_only(compression: Compression, encoding: str) -> None:
     log = first_seconds(TROUBLED)
     looks = {"compression": compression, "encoding": encoding}
-    done, encoded = converted(folder, log, copy=False, **looks), ENCODED[encoding]
+    done, encoded = converted(log, copy=False, **looks), ENCODED[encoding]
     topics = {"/tf", "/support", "/events", "/gait"}
     topics |= {topic(foot) for topic in (arrow_topic, load_topic, label_topic) for foot in FEET}
     written = done.written
@@ -80,14 +78,14 @@ def test_without_copy_there_are_annotations_only(
     assert described_robots(written) == [(opening_of(log), "dogbot")]
     assert written.profile == ("" if encoding == "foxglove" else encoding)
     assert done.conversion.copied == 0
-    with_copy = converted(folder, log, **looks).written
+    with_copy = converted(log, **looks).written
     for topic in topics - {"/tf"}:
         alone = [m.data for _, m in written.of(topic, encoded)]
         assert alone == [m.data for _, m in with_copy.of(topic, encoded)]
 
 
-def test_chunks_of_an_mcap_are_copied_as_they_stand(folder: Path) -> None:
-    recorded, done = chunks_of(WALK), converted(folder, WALK)
+def test_chunks_of_an_mcap_are_copied_as_they_stand() -> None:
+    recorded, done = chunks_of(WALK), converted(WALK)
     written = chunks_of(done.path)
     assert [chunk for chunk in written if chunk in recorded] == recorded
     assert done.written.statistics is not None
@@ -95,8 +93,8 @@ def test_chunks_of_an_mcap_are_copied_as_they_stand(folder: Path) -> None:
     assert len(done.written.chunk_compressions) == len(written)
 
 
-def test_output_has_chunks_of_about_a_megabyte(folder: Path) -> None:
-    chunks = chunks_of(converted(folder, TROT).path)
+def test_output_has_chunks_of_about_a_megabyte() -> None:
+    chunks = chunks_of(converted(TROT).path)
     assert all(chunk.uncompressed_crc for chunk in chunks)
     sizes = [chunk.uncompressed_size for chunk in chunks]
     assert max(sizes) < (1 << 20) + 10_000

@@ -11,7 +11,7 @@ import numpy as np
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor import FileDescriptor
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
-from mcap.writer import CompressionType, IndexType, Writer
+from mcap.writer import Writer
 
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison, Tally
@@ -41,15 +41,10 @@ class Message:
     publish_time: int | None = None
 
 
-@dataclass(frozen=True)
-class Packing:
-    """How a file is written, which must not matter."""
-
-    compression: CompressionType = CompressionType.ZSTD
-    chunk_size: int = 1 << 20
-    chunked: bool = True
-    indexes: IndexType = IndexType.ALL
-    summary: bool = True
+UNINDEXED: Mapping[str, Any] = dict.fromkeys(
+    ("use_statistics", "repeat_channels", "repeat_schemas"), False
+)
+"""How to write a file without a summary."""
 
 
 @dataclass(frozen=True)
@@ -60,20 +55,11 @@ class Recording:
     attachments: Mapping[str, bytes] = field(default_factory=dict)
     profile: str = "ros1"
 
-    def write(self, path: Path, packing: Packing = Packing()) -> Path:
+    def write(self, path: Path, **packing: Any) -> Path:
+        """Write an MCAP; how it is packed must not matter."""
         with path.open("wb") as file:
-            writer = Writer(
-                file,
-                packing.chunk_size,
-                packing.compression,
-                packing.indexes,
-                use_chunking=packing.chunked,
-                use_statistics=packing.summary,
-                repeat_channels=packing.summary,
-                repeat_schemas=packing.summary,
-                # So that a test can tamper with the summary.
-                enable_crcs=False,
-            )
+            # Without a checksum a test can tamper with the summary.
+            writer = Writer(file, enable_crcs=False, **packing)
             writer.start(self.profile, "a test")
             channels = {topic: register(writer, topic, kind) for topic, kind in self.kinds.items()}
             for message in self.messages:

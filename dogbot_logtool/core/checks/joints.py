@@ -92,7 +92,9 @@ def _odd_velocities(moving: Sequence[JointTrack]) -> str:
     """Say whose velocities are not those of their positions."""
     squared = np.array([joint.reported_squared for joint in moving])
     moved = np.array([joint.reported_moved for joint in moving])
-    ratios, total = _ratio(squared, moved), _ratio(squared.sum(), moved.sum())
+    # Velocities that have nothing to do with the positions are infinitely too large.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios, total = squared / moved, squared.sum() / moved.sum()
     judged = (squared > 0.0) & (squared > _MOVES_MUCH * squared.sum())
     odd = np.flatnonzero(judged & ~_fits(ratios, OF_A_JOINT_AGREE))
     if not len(odd) and (not judged.any() or _fits(total, VELOCITIES_AGREE)):
@@ -101,12 +103,6 @@ def _odd_velocities(moving: Sequence[JointTrack]) -> str:
         named = ", ".join(f"{moving[row].name} ({ratios[row]:.3g} times)" for row in odd.tolist())
         return f"velocities of some joints are not those of their positions: {named}"
     return f"velocities of joint states are {total:.3g} times those of their positions"
-
-
-def _ratio(squared: Floats, moved: Floats) -> Floats:
-    """Return the slope of velocities told over those of positions; infinite where unrelated."""
-    unrelated = moved == 0.0
-    return np.where(unrelated, np.inf, squared / np.where(unrelated, 1.0, moved))
 
 
 def _fits(ratio: Floats, factor: float) -> Flags:

@@ -235,7 +235,9 @@ def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
     """
     begin, end = foot.stances.touchdown, foot.stances.liftoff
     if len(begin):
-        end = np.minimum(end, begin + int(median_of(end - begin)))
+        lasting = end - begin
+        # A float may be above the longest, and above every int64.
+        end = begin + np.minimum(lasting, min(int(median_of(lasting)), int(lasting.max())))
     middle = begin + (end - begin) // 2
     time, point = foot.track.contact_points
     if not len(begin) or not len(time):

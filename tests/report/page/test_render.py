@@ -18,6 +18,7 @@ from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
+from dogbot_logtool.report.page.tables import outliers
 from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, TROUBLED
@@ -219,6 +220,21 @@ def test_a_page_says_what_its_log_lacks(tmp_path: Path) -> None:
     html = page(measure(log, MeasureOptions()), 0)
     assert not drawings(html).keys() & {"gait", "loads"}
     assert b"no contacts that could be used" in html
+
+
+@pytest.mark.parametrize(
+    ("values", "marks"),
+    [
+        ([0.50, 0.51, 0.49, 0.50, 0.52, 0.48, 0.51, 0.49, 0.8, 0.2], {8: 1, 9: -1}),
+        # One sample more is no event in an even walk, whose durations have no spread.
+        ([0.300] * 20 + [0.304], {}),
+        ([0.0] * 20 + [0.03], {20: 1}),
+        ([1.0, 1.0, 1.0, 50.0], {}),
+    ],
+)
+def test_strides_far_from_the_others_are_marked(values: list[float], marks: dict[int, int]) -> None:
+    found, _ = outliers(np.array(values))
+    assert {row: mark for row, mark in enumerate(found.tolist()) if mark} == marks
 
 
 def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:

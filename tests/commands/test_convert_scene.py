@@ -1,4 +1,4 @@
-"""Legs in converted logs: links that joints move, frames of feet, lines to feet that stand."""
+"""Support and legs in converted logs."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -12,18 +12,128 @@ import pytest
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
+from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.options.convert import ConvertOptions
-from tests.commands.conversions import codes
+from tests.commands.conversions import codes, converted
 from tests.oracles import state_walks, walks
-from tests.oracles.annotated_file import annotations, arrows, read_written, written_transforms
+from tests.oracles.annotated_file import (
+    Written,
+    arrows,
+    read_written,
+    written_transforms,
+)
+from tests.oracles.conversion import xyz
+from tests.oracles.foot_logs import CONTACTS, write_log
 from tests.oracles.frames import Frames, turn_of
-from tests.oracles.recorded import TF_TYPE
+from tests.oracles.recorded import TF_TYPE, S
 from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
+from tests.oracles.small_logs import first_seconds
 from tests.oracles.state_walks import StateWalk
+from tests.paths import ROOT, TROT, TROUBLED
 from tests.truth import physics
 from tests.truth.free_walker import trot
+from tests.truth.margins import hull, margin
 from tests.truth.parts import urdf
 from tests.truth.physics import KEPT_S
+
+# --- Support --------------------------------------------------------------------------------------
+
+
+DOGBOT = ROOT / "dogbot_logtool/robot/known/dogbot.toml"
+PLACES: Final = {
+    foot: tuple(a + b for a, b in zip(BASE, offset, strict=True)) for foot, offset in FEET.items()
+}
+LEANING: Final = (1.06, 2.02, 0.5)
+"""m, the base over feet that stand about `BASE`."""
+NEWTONS: Final = {"front_left": 40.0, "front_right": 50.0, "back_left": 60.0, "back_right": 70.0}
+SILENT_S: Final = 0.86
+"""When a sensor falls silent; contact is not known 60 ms later."""
+Vector = tuple[float, float, float]
+
+
+def test_support_is_that_of_the_feet_that_stand(tmp_path: Path) -> None:
+    log = write_standing_log(tmp_path / "log.mcap", LEANING, NEWTONS, {"back_left": SILENT_S})
+    done = convert(log, tmp_path / "out.mcap", ConvertOptions(encoding="ros2", copy=False))
+    found = read_written(tmp_path / "out.mcap").decoded("/support")
+    assert [log_time for log_time, _ in found] == [START + n * S // 50 for n in range(50)]
+    unknown = 0
+    for log_time, scene in found:
+        seconds, colour = (log_time - START) / S, scene.markers[0].color
+        parts = [[xyz(each) for each in one.points] for one in scene.markers]
+        outline, pressure, projection, touchdowns = parts
+        landed = [PLACES[LIFTED]] * (seconds >= LIFTED_S[1])
+        assert sorted(touchdowns) == sorted([*PLACES.values(), *landed])
+        if seconds > SILENT_S + 0.05:
+            unknown += 1
+            assert (outline, pressure) == ([], [])
+            continue
+        lifted = LIFTED_S[0] <= seconds < LIFTED_S[1]
+        down = [foot for foot in FEET if not (lifted and foot == LIFTED)]
+        assert_standing(down, outline, colour)
+        weights = [NEWTONS[foot] for foot in down]
+        centre = np.average([PLACES[foot] for foot in down], axis=0, weights=weights)
+        np.testing.assert_allclose(pressure, [centre], atol=1e-6)
+        np.testing.assert_allclose(projection, [(*LEANING[:2], 0.0)], atol=1e-12)
+    assert done.counts["support_unknown"] == unknown > 2
+
+
+def assert_standing(feet: Sequence[str], outline: Sequence[Vector], colour: Any) -> None:
+    """Check that an outline leads round all feet, in the colour of the base's margin in it."""
+    corners = hull([(x, y) for x, y, _ in map(PLACES.__getitem__, feet)])
+    assert outline == [(*corner, 0.0) for corner in (*corners, corners[0])]
+    wanted = margin_colour(np.array([margin(corners, LEANING[:2])]))[0]
+    found = colour.r, colour.g, colour.b, colour.a
+    np.testing.assert_allclose(found, wanted, atol=1e-6)
+
+
+# --- When it is written ---------------------------------------------------------------------------
+
+
+def test_what_is_not_known_is_told(tmp_path: Path) -> None:
+    done = converted(TROUBLED, encoding="ros1", copy=False).conversion
+    told = {each.code: each.text for each in done.findings}
+    # One of its sensors is dead, and `stats` gives no margins either.
+    assert "back_left" in told["DEAD"]
+    assert "contact of some foot unknown" in told["NO_SUPPORT_DRAWN"]
+    # Of this base the log's own transforms know nothing.
+    robot = tmp_path / "robot.toml"
+    robot.write_text(DOGBOT.read_text().replace("base_link", "trunk"))
+    options = ConvertOptions(robot=str(robot), copy=False, end=2.0)
+    done = convert(TROT, tmp_path / "link.mcap", options)
+    assert "NO_SUPPORT_DRAWN" in {finding.code for finding in done.findings}
+
+
+def centipede(folder: Path) -> tuple[Path, ConvertOptions]:
+    feet = {f"foot_{number}": f"/leg/{number}" for number in range(17)}
+    topics = dict.fromkeys(feet.values(), CONTACTS)
+    log = write_log(folder / "walk.mcap", topics, odometry=["/odom"])
+    return log, ConvertOptions(robot="generic", foot=feet)
+
+
+@pytest.mark.parametrize(
+    ("what", "cause"),
+    [
+        ("geometry_msgs/msg/WrenchStamped", "contact points"),
+        ("centipede", "17 feet"),
+    ],
+)
+def test_some_feet_have_no_support(tmp_path: Path, what: str, cause: str) -> None:
+    if what == "centipede":
+        log, options = centipede(tmp_path)
+    else:
+        log, options = walks.write_walk(tmp_path, what, "bag"), ConvertOptions()
+    done = convert(log, tmp_path / "out.mcap", options)
+    assert "/support" not in done.annotations
+    (finding,) = [one for one in done.findings if one.code == "NO_SUPPORT_DRAWN"]
+    assert cause in finding.text
+
+
+def test_it_lasts_until_it_is_drawn_anew(tmp_path: Path) -> None:
+    log = first_seconds(TROT)
+    convert(log, tmp_path / "out.mcap", ConvertOptions(copy=False, tf_rate=1.0))
+    for _, message in read_written(tmp_path / "out.mcap").decoded("/support"):
+        assert message.entities[0].lifetime.ToNanoseconds() == 2 * S
+
 
 NAMES = tuple(FEET)
 
@@ -153,35 +263,24 @@ def test_feet_that_tell_contact_only_have_loads_that_say_stance_and_swing(tmp_pa
 # --- Lines from the body to the feet --------------------------------------------------------------
 
 
-def lines(message: Any) -> tuple[Sequence[Any], Sequence[Any]]:
-    """Points and colours of a message of any encoding."""
-    if hasattr(message, "deletions"):
-        drawn = [line for entity in message.entities for line in entity.lines]
-        return (drawn[0].points, drawn[0].colors) if drawn else ((), ())
-    return message.points, message.colors
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory: pytest.TempPathFactory) -> Written:
+    folder = tmp_path_factory.mktemp("standing")
+    log = write_standing_log(folder / "log.mcap")
+    convert(log, folder / "out.mcap", ConvertOptions(encoding="ros2", copy=False))
+    return read_written(folder / "out.mcap")
 
 
-def place(point: Any) -> tuple[float, float, float]:
-    return point.x, point.y, point.z
-
-
-@pytest.mark.parametrize("encoding", ["foxglove", "ros2"])
-def test_lines_lead_to_the_feet_that_stand(tmp_path: Path, encoding: str) -> None:
-    log = write_standing_log(tmp_path / "log.mcap")
-    convert(log, tmp_path / "out.mcap", ConvertOptions(encoding=encoding, copy=False))
-    written = read_written(tmp_path / "out.mcap")
-    kind = "foxglove.SceneUpdate" if encoding == "foxglove" else "visualization_msgs/Marker"
-    legs = list(annotations(written, "/legs", encoding, kind))
-    assert legs[0][0].log_time == START
+def test_lines_lead_to_the_feet_that_stand(standing: Written) -> None:
+    legs = standing.decoded("/legs")
+    assert legs[0][0] == START
     assert len(legs) == 50
-    for record, message in legs:
-        seconds = (record.log_time - START) / 1e9
-        up = LIFTED_S[0] <= seconds < LIFTED_S[1]
-        standing = [foot for foot in NAMES if not (up and foot == LIFTED)]
-        points, colours = lines(message)
-        assert len(points) == 2 * len(standing)
-        for number, foot in enumerate(standing):
-            hip, end = place(points[2 * number]), place(points[2 * number + 1])
+    for log_time, message in legs:
+        up = LIFTED_S[0] <= (log_time - START) / S < LIFTED_S[1]
+        down = [foot for foot in NAMES if not (up and foot == LIFTED)]
+        assert len(message.points) == 2 * len(down)
+        for number, foot in enumerate(down):
+            hip, end = map(xyz, message.points[2 * number : 2 * number + 2])
             expected = [a + b for a, b in zip(BASE, FEET[foot], strict=True)]
             assert end == pytest.approx(expected)
             # The hip is at the base's height, on the foot's side, inside of it.
@@ -189,16 +288,27 @@ def test_lines_lead_to_the_feet_that_stand(tmp_path: Path, encoding: str) -> Non
             for axis in range(2):
                 share = (hip[axis] - BASE[axis]) / FEET[foot][axis]
                 assert 0.5 < share < 1.0
-            colour = colours[2 * number + 1]
+            colour = message.colors[2 * number + 1]
             own = colour_parts(foot_colour(NAMES.index(foot)))
             assert (colour.r, colour.g, colour.b) == pytest.approx(own, abs=1e-6)
 
 
-def test_the_body_spans_the_hips_and_its_nose_is_between_the_fore_feet(tmp_path: Path) -> None:
+def test_labels_stand_at_the_feet(standing: Written) -> None:
+    for foot, offset in FEET.items():
+        messages = [message for _, message in standing.decoded(f"/label/{foot}")]
+        shown = [message for message in messages if message.action != 2]
+        assert shown
+        # Viewers know what to remove by its name.
+        assert {(message.ns, message.id) for message in messages} == {("label", 0)}
+        for message in shown:
+            assert message.text.strip().endswith(" N")
+            expected = [a + b for a, b in zip(BASE, offset, strict=True)]
+            assert xyz(message.pose.position)[:2] == pytest.approx(expected[:2], abs=0.1)
+
+
+def test_the_body_spans_the_hips_and_its_nose_is_between_the_fore_feet(standing: Written) -> None:
     """The robot is guessed to be one whose +y is forward; its feet say otherwise."""
-    convert(write_standing_log(tmp_path / "log.mcap"), tmp_path / "out.mcap", ConvertOptions())
-    written = read_written(tmp_path / "out.mcap")
-    ((_, text),) = annotations(written, "/robot_description", "ros1", "std_msgs/String")
+    ((_, text),) = standing.decoded("/robot_description")
     body, nose = ET.fromstring(text.data).findall(".//visual")  # noqa: S314
     length, width, _ = map(float, body.find("geometry/box").get("size").split())  # type: ignore[union-attr]
     x, y, _ = map(float, nose.find("origin").get("xyz").split())  # type: ignore[union-attr]
