@@ -210,10 +210,7 @@ class BaseHistory:
     def unplaced(self, spans: Ints) -> int:
         """Return the time in spans, ns, that lies further than 0.1 s from every pose."""
         reach = round(self._reach_ns)
-        if len(self.time) == 0:
-            return timespans.total(spans)
-        edges = np.concatenate([self.time[:1], self.gaps.ravel(), self.time[-1:]]).reshape(-1, 2)
-        placed = timespans.merge(edges + np.array([-reach, reach]))
+        placed = timespans.merge(self.known + np.array([-reach, reach]))
         return timespans.total(timespans.subtract(spans, placed))
 
 

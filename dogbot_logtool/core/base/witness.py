@@ -66,13 +66,14 @@ class Witness(NamedTuple):
         """
         if len(recorded.time) or not (self.tells_heading and self.tells_turn):
             return None
-        angles = self.poses.angles - np.array([0.0, 0.0, 0.0 if self.by == "legs" else forward_rad])
+        ahead = 0.0 if self.by == "legs" else forward_rad
         return replace(
-            self.poses,
-            angles=angles,
-            messages=recorded.messages,
-            not_usable=recorded.not_usable,
-            not_advancing=recorded.not_advancing,
+            recorded,
+            time=self.poses.time,
+            position=self.poses.position,
+            angles=self.poses.angles - np.array([0.0, 0.0, ahead]),
+            gaps=self.poses.gaps,
+            interval_s=0.0,
         )
 
 

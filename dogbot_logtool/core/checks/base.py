@@ -1,13 +1,19 @@
 """Checks of the base among the contact points, of its axes, and of what happens to it."""
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading, swapped_pairs
+from dogbot_logtool.core.base.axes import has_heading, usual_places
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
+
+SIDES_APART_M: Final = 0.02
+"""m by which a left foot must be to the right of the right one for that to be said."""
+WALKED_M: Final = 0.5
+"""m, way to a side from which its direction means something."""
 
 
 def worlds_differ(walk: Walk) -> Iterator[Finding]:
@@ -75,13 +81,19 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
     apart |= walk.base is not None and not has_heading(walk.base)
     poses = walk.poses.without_poses() if apart else walk.placed_poses
     positions = [foot.leg_position for foot in walk.settings.feet]
-    forward_rad = walk.settings.forward_rad
-    swapped, pairs = swapped_pairs(poses, walk.records, positions, forward_rad)
-    if swapped and len(swapped) == pairs:
+    places, forward_rad = usual_places(poses, walk.records, positions), walk.settings.forward_rad
+    to_the_left = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
+    apart_m = {
+        end: float((place - places[end, "right"]) @ to_the_left)
+        for (end, side), place in places.items()
+        if side == "left" and (end, "right") in places
+    }
+    swapped = [end for end, metres in apart_m.items() if metres < -SIDES_APART_M]
+    if swapped and len(swapped) == len(apart_m):
         yield found("SIDES_SWAPPED", where="base.yaw_change_rad")
         return
-    for pair in swapped:
-        left, right = (walk.feet[row].name for row in pair)
+    for end in swapped:
+        left, right = (walk.feet[positions.index((end, side))].name for side in ("left", "right"))
         where = f"feet.{left}.topic"
         yield found("SIDES_SWAPPED", "one_pair", where=where, left=left, right=right)
 
@@ -89,13 +101,14 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
 def forward_axis(walk: Walk) -> Iterator[Finding]:
     """Yield that another axis than the guessed one is forward, or may be."""
     settings, base = walk.settings, walk.base
-    if base is not None and settings.forward_axis_reason:
+    if base is None:
+        return
+    if settings.forward_axis_reason:
         yield found("FORWARD_AXIS", where="settings.forward_axis", settings=settings)
-    forward, left = displacements_m(base)
-    if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
-        side = "left" if left > 0.0 else "right"
-        where = "base.forward_speed_mps"
-        speed = abs((base and base.lateral_speed_mps) or 0.0)
-        words: Words = {"settings": settings, "base": base, "side": side, "speed": speed}
+    forward, left = base.forward_speed_mps or 0.0, base.lateral_speed_mps or 0.0
+    goes = has_heading(base) and abs(left) * (base.duration_s or 0.0) > WALKED_M
+    if goes and abs(left) > 2.0 * abs(forward):
+        where, side = "base.forward_speed_mps", "left" if left > 0.0 else "right"
+        words: Words = {"settings": settings, "base": base, "side": side, "speed": abs(left)}
         cases = ("assumed",) if settings.forward_axis_is_assumed else ()
         yield found("FORWARD_AXIS", *cases, where=where, say="sideways", **words)

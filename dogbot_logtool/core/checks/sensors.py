@@ -18,6 +18,8 @@ from dogbot_logtool.finding import Finding, Words, found
 
 PLAIN: Final = 0.02
 """Share of the weight from which an offset is worth a finding."""
+MOVES: Final = 0.2
+"""Share of the usual load by which a level that drifts is told."""
 WHOLE_WEIGHT: Final = 0.005
 """Share of the weight by which forces that nothing cuts off may miss it."""
 FLAT: Final = 0.8
@@ -40,8 +42,9 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
         if level.reason:
             yield found("SENSOR_OFFSET", say="unknown", where=where, foot=name, why=level.reason)
             continue
-        if level.moved_n:
-            yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=level.moved_n)
+        moved_n = float(np.linalg.norm(np.ptp(level.offset, axis=0)))
+        if moved_n > MOVES * (level.loaded_n or np.inf):
+            yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=moved_n)
         newtons = float(np.linalg.norm(level.offset_n))
         scale_n = weight_n or level.loaded_n
         if scale_n and newtons > PLAIN * scale_n:

@@ -71,15 +71,13 @@ class Modes(NamedTuple):
     """N, usual range of 80 % of the samples in a swing, and between one swing and the next."""
     fit: float = -np.inf
     """How well it fits that these are swing and stance."""
-    width_fit: float = 0.0
-    """The part of the fit that rests on how much narrower swing is than stance."""
     reason: str = ""
     """Why they are not clear; empty: they are."""
 
     @property
-    def rank(self) -> tuple[bool, float]:
-        """Clear modes before others, then by fit; the only swing of a log may be one."""
-        return self.reason in {"", ONCE}, self.fit
+    def is_clear(self) -> bool:
+        """Whether they may be swing and stance; the only swing of a log may be one."""
+        return self.reason in {"", ONCE}
 
 
 def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
@@ -138,8 +136,8 @@ def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
     # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.
     nearer_zero = max(abs(stance) / max(abs(swing), floor), 1e-9)
-    width_fit = float(np.clip(np.log2(wider), -4.0, 4.0))
-    fit = width_fit + float(np.clip(np.log2(nearer_zero), -3.0, 3.0)) + 0.5 * modes.raises
+    fit = float(np.clip(np.log2(wider), -4.0, 4.0) + np.clip(np.log2(nearer_zero), -3.0, 3.0))
+    fit += 0.5 * modes.raises
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
     pulls = swing < -modes.width and stance > 0.0
     plain = swing <= plain_offset * distance and (modes.raises or stance > 0.0)
@@ -150,7 +148,7 @@ def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
         reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    return modes._replace(fit=fit, width_fit=width_fit, reason=reason)
+    return modes._replace(fit=fit, reason=reason)
 
 
 def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:
