@@ -4,7 +4,6 @@ import csv
 import io
 import json
 import os
-import re
 import stat
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -65,18 +64,6 @@ def test_the_input_is_never_the_output(shell: Shell) -> None:
         assert done.code == 2
         assert "is the input itself" in done.err
     assert log.read_bytes() == WALK.read_bytes()
-
-
-def test_a_figure_is_the_same_for_any_jobs(shell: Shell) -> None:
-    words = ("stats", WALK, "--figure", "walk.svg", "--start", 2, "--end", 6)
-    done = shell(*words, "--json")
-    assert (done.code, done.json["gait"]["name"]) == (0, "walk")
-    assert re.search(r"walk.svg: \d\.\d\d to \d\.\d\d s", done.err)
-    first = (shell.folder / "walk.svg").read_bytes()
-    assert "--overwrite" in shell(*words).err
-    again = shell(*words, "--overwrite", "--jobs", 3, "-q")
-    assert (again.code, again.err) == (0, "")
-    assert (shell.folder / "walk.svg").read_bytes() == first
 
 
 def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: Shell) -> None:
