@@ -222,6 +222,8 @@ def compare_worlds(
         ]
     )[:, :windows]
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
+    if not known.any():
+        return None
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
     farthest = spread if len(placed) == len(feet) else PART_OF_FEET * spread
