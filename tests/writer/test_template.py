@@ -8,10 +8,10 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros import Ros2Encoding
 from dogbot_logtool.writer.template import (
-    MESSAGE_HEAD,
     Columns,
     Literal,
     Of,
