@@ -36,7 +36,7 @@ def test_malformed_messages_leave_their_neighbours_alone(type_name: str, damage:
 
 
 @pytest.mark.parametrize(
-    "type_name", (*adapters.FOOT_TYPES, *adapters.VARIANTS, "tf2_msgs/TFMessage")
+    "type_name", [*adapters.FOOT_TYPES, *adapters.VARIANTS, "tf2_msgs/TFMessage"]
 )
 def test_messages_of_nothing_are_sound(type_name: str) -> None:
     message = adapters.empty_payload(type_name)
