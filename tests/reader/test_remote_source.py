@@ -198,3 +198,9 @@ def test_what_a_server_answers_is_said(
     with pytest.raises(error) as raised:
         open_log(UPath(f"{url}/x.mcap?Signature=secret"))
     assert str(raised.value) == f"{url}/x.mcap: {words}"
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_server_that_cannot_be_reached_is_no_missing_file() -> None:
+    with pytest.raises(StoreError, match=r"127\.0\.0\.1"):
+        open_log(UPath("http://127.0.0.1:1/x.mcap"))
