@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Final
 
 from dogbot_logtool.core.arrays import Aggregate
-from dogbot_logtool.core.events.event import EventType
+from dogbot_logtool.core.definitions import definitions
+from dogbot_logtool.core.event import EventType
 from dogbot_logtool.core.metrics import Stride, WalkMetrics
-from dogbot_logtool.core.records import Field, definitions, fields_of, is_record, metric_paths
+from dogbot_logtool.core.records import Field, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.report.documents import schema

@@ -4,9 +4,7 @@ A field's annotation says what the option may be, the string below it is its hel
 makes such records from words, Python from keywords.
 """
 
-import ast
 import os
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
@@ -221,26 +219,3 @@ def _unknown(name: str, known: Sequence[str]) -> str:
 def as_keyword(name: str, value: object) -> str:
     """Write an option as a keyword of Python; see `make`."""
     return f"{name}={value!r}"
-
-
-@cache
-def definitions(record: Any) -> dict[str, str]:  # noqa: ANN401 - any record
-    """Read the strings below the fields of a record and its bases from their source."""
-    found: dict[str, str] = {}
-    for each in reversed(record.__mro__):
-        source = getattr(sys.modules[each.__module__], "__file__", None)
-        if source:
-            tree = ast.parse(Path(source).read_text(encoding="utf-8"))
-            for node in tree.body:
-                if isinstance(node, ast.ClassDef) and node.name == each.__name__:
-                    found |= _strings_below(node)
-    return found
-
-
-def _strings_below(node: ast.ClassDef) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for field, below in zip(node.body, node.body[1:], strict=False):
-        match field, below:
-            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=text)):
-                found[name] = " ".join(str(text).split())
-    return found

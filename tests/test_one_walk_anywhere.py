@@ -17,7 +17,7 @@ from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
-from tests.oracles.repacked import out_of_order, unpacked
+from tests.oracles.recorded import out_of_order, unpacked
 from tests.oracles.small_logs import first_seconds
 from tests.oracles.walks import Entry, Walk, write_bag, write_library_mcap, write_rosbag2
 from tests.paths import TROT
@@ -53,9 +53,7 @@ def disordered(ros: int) -> Walked:
 
 
 WRITERS: Final[dict[str, Callable[[Path], Path]]] = {
-    "bag": lambda path: write_bag(path, *messages(1), 10_000),
     "bag lz4": lambda path: write_bag(path, *messages(1), 768 << 10, "lz4"),
-    "bag bz2": lambda path: write_bag(path, *messages(1), 10_000_000, "bz2"),
     "bag out of order": lambda path: write_bag(path, *disordered(1), 20_000),
     "mcap ros1": lambda path: write_library_mcap(path, *messages(1), 10_000),
     "mcap ros2": lambda path: write_library_mcap(path, *messages(2), 10_000_000),
@@ -65,13 +63,12 @@ WRITERS: Final[dict[str, Callable[[Path], Path]]] = {
 }
 
 
-@pytest.mark.parametrize("jobs", [2, 5])
 def test_any_number_of_processes_gives_the_same_figures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
     log = write_library_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
-    assert figures(log, jobs) == expected()
+    assert figures(log, jobs=5) == expected()
 
 
 # --- Annotations ----------------------------------------------------------------------------------
@@ -100,10 +97,7 @@ def expected_annotations(tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
     return {encoding: annotations(folder, trot(), encoding) for encoding in ENCODINGS}
 
 
-@pytest.mark.parametrize(
-    ("written", "encoding"),
-    [*zip(WRITERS, cycle(ENCODINGS)), ("mcap ros2", "foxglove"), ("mcap ros2", "ros1")],
-)
+@pytest.mark.parametrize(("written", "encoding"), [*zip(WRITERS, cycle(ENCODINGS))])
 def test_every_container_and_chunking_gives_the_same_figures_and_annotations(
     tmp_path: Path,
     expected_annotations: dict[str, list[Annotation]],
@@ -115,20 +109,16 @@ def test_every_container_and_chunking_gives_the_same_figures_and_annotations(
     assert annotations(tmp_path, log, encoding) == expected_annotations[encoding]
 
 
-@pytest.mark.parametrize("rows", [300, 5000])
 def test_annotations_do_not_depend_on_where_spans_end(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     expected_annotations: dict[str, list[Annotation]],
-    rows: int,
 ) -> None:
-    monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", rows)
+    monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", 300)
     assert annotations(tmp_path, trot(), "ros2") == expected_annotations["ros2"]
 
 
-@pytest.mark.parametrize(
-    ("jobs", "start"), [(2, "fork"), (5, "fork"), (2, "spawn"), (5, "threads")]
-)
+@pytest.mark.parametrize(("jobs", "start"), [(5, "fork"), (2, "spawn"), (5, "threads")])
 def test_any_workers_write_the_same_annotations(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

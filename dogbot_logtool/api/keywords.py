@@ -7,9 +7,10 @@ from dataclasses import replace
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
+from dogbot_logtool.core.definitions import definitions
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.storage import Location, location
-from dogbot_logtool.option import as_keyword, definitions, make, options_of
+from dogbot_logtool.option import as_keyword, make, options_of
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions

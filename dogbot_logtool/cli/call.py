@@ -82,7 +82,7 @@ class Call:
             return log_set, options
         first, *others = log_set.logs
         joined = tuple(other.path for other in others)
-        return log_set._replace(logs=(first,)), options._replace(joined=joined)
+        return log_set._replace(logs=(first,)), replace(options, joined=joined)
 
     def each(
         self,

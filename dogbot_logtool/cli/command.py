@@ -7,7 +7,8 @@ from typing import Any, Final
 
 import click
 
-from dogbot_logtool.option import Option, definitions, make, options_of
+from dogbot_logtool.core.definitions import definitions
+from dogbot_logtool.option import Option, make, options_of
 from dogbot_logtool.options import (
     ClusterOptions,
     CommonOptions,

@@ -1,7 +1,6 @@
 """`dogbot-logtool convert`: write an annotated MCAP of a log."""
 
 from collections import Counter
-from dataclasses import replace
 from functools import partial
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
@@ -10,7 +9,7 @@ from dogbot_logtool.conversion.copying import channels_left_out, copied_chunks
 from dogbot_logtool.conversion.findings import count_findings
 from dogbot_logtool.conversion.scene import Scene, make_scene
 from dogbot_logtool.core.base.poses import usable_poses
-from dogbot_logtool.core.checks.frames import columns_corrected, frames_known
+from dogbot_logtool.core.checks.beside import columns_corrected, frames_known
 from dogbot_logtool.core.scene.arrows import ARROW_STYLES
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file
@@ -60,7 +59,7 @@ def convert(
     try:
         plan = plan_measuring(log, options)
         draws_states = ARROW_STYLES[options.style].needs_contact_states
-        plan = replace(plan, wanted=plan.wanted._replace(draws_states=draws_states))
+        plan = plan._replace(wanted=plan.wanted._replace(draws_states=draws_states))
         left_out = channels_left_out(log, options)
         with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
             output = AnnotatedLog(file, log, options, left_out)

@@ -10,7 +10,7 @@ import numpy as np
 
 from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import norms
-from dogbot_logtool.core.checks.frames import zero_stamps
+from dogbot_logtool.core.checks.beside import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
 from dogbot_logtool.core.prepared import LARGEST
@@ -48,7 +48,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         walk, selection = measured.measurement.walk, measured.selection
         recording, settings, frames = walk.recording, walk.settings, walk.frames
         view = _view(selection.robot, frames.world, frames.base)
-        shape = robot_shape(selection, frames)
+        shape = robot_shape(walk)
         return view._replace(
             peak_n=_peak_n(recording.feet) or view.peak_n,
             forward_axis=shape.forward_axis,

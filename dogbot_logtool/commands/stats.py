@@ -1,8 +1,8 @@
 """`dogbot-logtool stats`: which gait, how loaded, and can the recording be trusted."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from dogbot_logtool.core import metrics
 from dogbot_logtool.core.analysis import analyse
@@ -48,14 +48,13 @@ def measure(
     try:
         measured = measure_log(log, options, progress).measurement
         # Of the samples, only what figures draw is kept.
-        corrected = replace(measured.walk.corrected, recording=Recording())
+        corrected = measured.walk.corrected._replace(recording=Recording())
         return replace(measured, walk=replace(measured.walk, corrected=corrected))
     finally:
         log.close()
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MeasuredLog:
+class MeasuredLog(NamedTuple):
     """A measured log, and what it was measured by."""
 
     measurement: Measurement

@@ -1,15 +1,15 @@
 """All that is drawn of a walk: decided and prepared once, before the first annotation is made."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.conversion.findings import arrow_findings, copy_findings, no_support, second_tf
 from dogbot_logtool.core.arrays import concatenated, picked
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
-from dogbot_logtool.core.checks.frames import transform_findings
+from dogbot_logtool.core.checks.beside import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, TransformMessages, from_opening
@@ -48,8 +48,7 @@ ESTIMATED_WIDTH: Final = 0.5
 """Width of arrows whose forces are estimated, over that of measured ones."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Scene:
+class Scene(NamedTuple):
     """All that is drawn of a walk; columns are sorted by log time."""
 
     walk: Walk
@@ -188,7 +187,7 @@ def _placed_samples(
     if frames is None or not any(points):
         return feet, ()
     # Forces are in the world already, as far as they can be turned.
-    frames = replace(frames, points=points, links=(None,) * len(points))
+    frames = frames._replace(points=points, links=(None,) * len(points))
     samples, counts = frames.place(feet)
     return samples, tuple(transform_findings(frames, counts))
 

@@ -19,14 +19,13 @@ from dogbot_logtool.core.base.motion import base_motion, base_track
 from dogbot_logtool.core.base.poses import find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
-from dogbot_logtool.core.consistency import placed_poses, without_stopped
+from dogbot_logtool.core.consistency import long_delay, placed_poses, without_stopped
 from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
 from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
 from dogbot_logtool.core.gait.support import standing_in, support
-from dogbot_logtool.core.heave import long_delay
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.loads import dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Log
@@ -97,7 +96,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     positions = [foot.leg_position or ("", foot.name) for foot in settings.feet]
     witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
     frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
-    recorded = without_frozen(corrected.base, frozen.spans) if frozen else corrected.base
+    recorded = without_frozen(corrected.base, frozen) if len(frozen) else corrected.base
     stand_in = None
     if witness is not None and corrected.leaning_rad is None:
         stand_in = witness.stand_in(recorded, settings.forward_rad)

@@ -57,7 +57,7 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     if history is None or len(base.time) < 2 or not len(history.time):
         return None
     # In segments with strides the robot steps.
-    steps = [each.spans for each in walk.segments if each.strides]
+    steps = [each.span for each in walk.segments if each.strides]
     stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
     window = round((walk.period_s or USUAL_WINDOW_S) * 1e9)
     timeout = round(max(TIMEOUT_S * 1e9, history.gap_ns if np.isfinite(history.gap_ns) else 0.0))

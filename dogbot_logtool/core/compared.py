@@ -1,7 +1,6 @@
 """Records of what is compared with the base's motion: velocity commands, the accelerometer."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
@@ -19,8 +18,7 @@ AXES: Final = ("forward", "lateral", "yaw")
 """The columns of velocities: m/s forward, m/s to the left, rad/s to the left."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class CommandTrack:
+class CommandTrack(NamedTuple):
     """Commanded and measured velocity over time."""
 
     history: "VectorHistory"
@@ -79,11 +77,6 @@ class ForceComparison(NamedTuple):
 
     ratio: float
     """Vertical force over the mass over what the levelled accelerometer reads; 1 is right."""
-    magnitude_ratio: float
-    """The same of |F|."""
-    is_common: bool | None
-    """Whether one factor for all feet explains as much as one for each: the mass is wrong, or all
-    sensors alike. None: the load does not shift, so that it cannot be told."""
     odd_foot: tuple[int, float] | None
     """The one foot whose factor is not that of the others, which are right, and by what its force
     must be multiplied."""

@@ -1,8 +1,8 @@
 """Correct the columns of a recording: one clock, sensors' offsets, silences, frames of forces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -44,8 +44,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.core.vectors import VectorHistory
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Corrected:
+class Corrected(NamedTuple):
     """The columns of a recording on one clock, with forces in the world above sensors' offsets."""
 
     recording: Recording

@@ -13,8 +13,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trapezoids
-from dogbot_logtool.core.base.comparison import likeness
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import likeness
 from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Reading
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
@@ -55,8 +55,6 @@ _AS_GOOD: Final = 0.02
 _SHIFTS: Final = 0.05
 """Standard deviation of a foot's share from which the load shifts to and from it."""
 
-_COMPARABLE: Final = frozenset({"m/s^2", "g", "without gravity"})
-"""Readings that tell of accelerations, once they are levelled and in m/s^2."""
 _LEVEL: Final = np.array([0.0, 0.0, 0.0, 1.0])
 
 
@@ -102,11 +100,8 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
     off = rotate(turn[None], means[:, :3]) - scale * expected
     reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
     turned_rad, forces = None, None
-    if reading in _COMPARABLE:
-        level = rotate(attitude, rotate(turn[None], body))
-        level *= GRAVITY_MPS2 if reading == "g" else 1.0
-        level[:, 2] += GRAVITY_MPS2 if reading == "without gravity" else 0.0
-        world = _integral(at, level)
+    if reading == "m/s^2":
+        world = _integral(at, rotate(attitude, rotate(turn[None], body)))
         turned_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
         forces = _compare_forces(walk, world, time, half)
     metrics = Imu(
@@ -211,17 +206,11 @@ def _compare_forces(
     cells, half_cell = time + _CELL_NS // 2, _CELL_NS // 2
     wanted = mass_kg * world.mean(cells, 2 * half_cell)[:, 2]
     by_cell = mean_impulses(feet, "vertical_impulse", cells, half_cell)
-    is_common, odd_foot = odd_scale(by_cell, wanted, mass_kg)
-    vertical, magnitude = (
-        float(mean_impulses(feet, impulse, time, half_ns).sum(axis=1).mean())
-        for impulse in ("vertical_impulse", "force_impulse")
-    )
-    return ForceComparison(vertical / expected, magnitude / expected, is_common, odd_foot)
+    vertical = float(mean_impulses(feet, "vertical_impulse", time, half_ns).sum(axis=1).mean())
+    return ForceComparison(vertical / expected, odd_scale(by_cell, wanted, mass_kg))
 
 
-def odd_scale(
-    vertical: Floats, wanted: Floats, mass_kg: float
-) -> tuple[bool | None, tuple[int, float] | None]:
+def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, float] | None:
     """Fit mass x vertical specific force = sum of factor x force, for all feet and for each.
 
     Args:
@@ -230,26 +219,22 @@ def odd_scale(
         mass_kg: of the robot.
 
     Returns:
-        Whether one factor explains as much as one for each foot, and the odd foot, as in
-        `ForceComparison`.
+        The odd foot, as in `ForceComparison`.
     """
     total = vertical.sum(axis=1)
     shares = vertical / np.where(total > 0.0, total, np.inf)[:, None]
-    if not total.any() or (shares.std(axis=0) < _SHIFTS).any():
-        return None, None
+    # Feet that always press together have no factors of their own.
+    if not total.any() or (shares.std(axis=0) < _SHIFTS).any() or np.linalg.cond(vertical) > 1e3:
+        return None
     inverse = np.linalg.pinv(vertical.T @ vertical)
     factors = inverse @ (vertical.T @ wanted)
     common = float(total @ wanted) / float(total @ total)
     left = [_rms(wanted - common * total), _rms(wanted - vertical @ factors)]
-    is_common = left[0] <= left[1] + _AS_GOOD * mass_kg * GRAVITY_MPS2
     # What is left may come back in every stride: more of them make a factor no surer.
     spread = left[1] * np.sqrt(len(total) * np.diag(inverse))
-    # Feet that always press together have no factors of their own.
-    certain = np.linalg.cond(vertical) < 1e3 and bool((spread <= _CERTAIN).all())
     off = np.flatnonzero(np.abs(factors - 1.0) > ODD)
-    if is_common or not certain or len(off) != 1:
-        return is_common, None
-    return is_common, (int(off[0]), float(factors[off[0]]))
+    one = left[0] > left[1] + _AS_GOOD * mass_kg * GRAVITY_MPS2 and len(off) == 1
+    return (int(off[0]), float(factors[off[0]])) if one and (spread <= _CERTAIN).all() else None
 
 
 def _rms(values: Floats) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -48,8 +48,7 @@ Counts = list[tuple[int, int]]
 samples without a contact point were placed where a frame is, and were not."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class WorldFrames:
+class WorldFrames(NamedTuple):
     """How frames of feet hang in the world."""
 
     links: tuple[str | None, ...]

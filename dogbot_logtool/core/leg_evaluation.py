@@ -37,6 +37,7 @@ RESTING_M: Final = 0.02
 RESTING_SHARE: Final = 0.15
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are left out."""
+UNPLACED: Final = "where the base is among the feet is not known"
 SHORTEST_PATH_M: Final = 0.1
 """m: work is not set against a shorter way."""
 
@@ -50,7 +51,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     """
     joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
     for name in {each.name for each in settings.joints if each.source} & joints.keys():
-        joints[name] = replace(joints[name], follows=True)
+        joints[name] = joints[name]._replace(follows=True)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
     links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links
@@ -59,14 +60,16 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         return walk
     clocks = walk.corrected.joint_clocks
     apart = too_far_apart(clocks, walk.period_s) & set(settings.joint_topics)
+    unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
+    unplaced |= bool(apart and settings.joints)
     legs, stood, feet = [], [], []
-    for row, path in enumerate(paths):
-        reason = _no_swings(walk, settings, row, path, joints_apart=bool(apart))
-        leg, falls, swung = _leg(walk, settings, row, path, reason)
+    for row, (foot, path) in enumerate(zip(walk.feet, paths, strict=True)):
+        leg, falls, swung = _leg(walk, settings, row, path, UNPLACED if unplaced else "")
         own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
         own = [each for each in own if each.works or not each.moves]
-        of_leg = swung | _leg_work(walk.feet[row], own)
-        feet.append(_with_frame(walk, settings.chains[row], walk.feet[row], of_leg, falls))
+        work = summed_work(own, foot.strides.touchdown, foot.strides.end)
+        of_leg = swung | dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
+        feet.append(_with_frame(walk, settings.chains[row], foot, of_leg, falls))
         legs.append(leg)
         stood.append(falls)
     strides = walk.feet[walk.reference].strides if walk.feet else None
@@ -94,44 +97,35 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     if witness is None and not walk.settings.base_from_legs:
         witness = by_legs(paths, walk.records, walk.corrected.base)
     feet = [
-        replace(foot, of_strides={**foot.of_strides, **_steps(walk, row, stood)})
+        foot._replace(of_strides={**foot.of_strides, **_steps(walk, row, stood)})
         for row, foot in enumerate(feet)
     ]
     return replace(walk, legs=figures, feet=tuple(feet), witness=witness)
 
 
-def _no_swings(
-    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, *, joints_apart: bool
-) -> str:
-    """Say why a foot's swings cannot be known; empty if they may be."""
-    if path is None:
-        lacks_chain = settings.chains[row] is None
-        return settings.reasons[row] if lacks_chain else "too little of its leg is told"
-    reasons = (
-        (walk.base_clock_is_apart, "the clocks of odometry and feet differ"),
-        (walk.loses_track, "the odometry drifts among the contact points"),
-        (
-            joints_apart and len(settings.joints) > 0,
-            "the clock of the joint states differs from that of the feet",
-        ),
-        (not len(walk.poses.time), "the log has no usable poses"),
-    )
-    return next((why for holds, why in reasons if holds), settings.reasons[row])
-
-
 def _leg(
-    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, reason: str
+    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, unplaced: str
 ) -> tuple[LegFoot, Footfalls | None, dict[str, Floats]]:
-    """Return the leg of a foot, and where that stands, and its swings, if its frame rests then."""
+    """Return the leg of a foot, and where that stands, and its swings, if its frame rests then.
+
+    Args:
+        walk: all other figures.
+        settings: sources of the legs.
+        row: of the foot.
+        path: of the foot in the base's frame; None: not known.
+        unplaced: why paths cannot be placed in the world; empty: they can.
+    """
     foot, chain = walk.feet[row], settings.chains[row]
+    too_little = "" if path else "too little of its leg is told"
+    reason = settings.reasons[row] or too_little or unplaced
     leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path)
-    if path is None or reason:
+    if path is None or leg.reason:
         return leg, None, {}
     world = path.in_world(walk.poses)
     stood = footfalls(world, foot.stances)
     travel = aggregate(stood.travel_m[foot.stances.whole])
     if travel is None:
-        return replace(leg, reason="no whole stance in which its leg is told"), None, {}
+        return leg._replace(reason="no whole stance in which its leg is told"), None, {}
     interval_s = foot.record.median_interval_s or np.inf
     found, height = swings(world, stood, foot.strides, interval_s)
     length = aggregate(found["swing_length_m"])
@@ -140,17 +134,9 @@ def _leg(
             f"its frame moves by {travel.median * 1e3:.0f} mm in the middle of a stance: it is not "
             "the foot's, the odometry drifts, or the foot slips"
         )
-        return replace(leg, reason=reason, moves=True), None, {}
+        return leg._replace(reason=reason, moves=True), None, {}
     slow = is_slow(world, interval_s)
-    return replace(leg, height=height, is_slow=slow), stood, found
-
-
-def _leg_work(foot: FootSteps, joints: Sequence[JointTrack]) -> dict[str, Floats]:
-    """Return the work of a leg in the strides of its foot, where its efforts are known."""
-    if not all(joint.has_effort or not joint.moves for joint in joints):
-        return {}
-    positive, absolute = summed_work(joints, foot.strides.touchdown, foot.strides.end)
-    return {"positive_work_j": positive, "absolute_work_j": absolute}
+    return leg._replace(height=height, is_slow=slow), stood, found
 
 
 def _with_frame(
@@ -161,13 +147,13 @@ def _with_frame(
     stood: Footfalls | None,
 ) -> FootSteps:
     """Return a foot with what its leg tells: slips too, and lengths where its sensor has none."""
-    foot = replace(foot, of_strides={**foot.of_strides, **of_leg})
+    foot = foot._replace(of_strides={**foot.of_strides, **of_leg})
     if stood is None or chain is None:
         return foot
     length = of_leg["swing_length_m"]
     if foot.length_from == "base" and np.isfinite(length).any():
         lengths = {**foot.of_strides, "stride_length_m": length}
-        foot = replace(foot, of_strides=lengths, length_from="foot_frame")
+        foot = foot._replace(of_strides=lengths, length_from="foot_frame")
     # The middle of a ball rolls with it: less the rolling, if that is known.
     rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
     if rolling is None:
@@ -176,7 +162,7 @@ def _with_frame(
         "slip_m": slip_m(stood.slip_m, rolling),
         "slip_largest_m": slip_m(stood.largest_slip_m, rolling),
     }
-    return replace(foot, of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
+    return foot._replace(of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
 
 
 def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:

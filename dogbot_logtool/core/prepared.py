@@ -166,7 +166,7 @@ def _moved(base: Odometry, translation: Floats, rotation: Floats) -> Odometry:
 
 LARGEST: Final = 1e9
 """m, m/s, rad/s or N: beyond the moon, faster than light, stronger than any rocket."""
-_BOUNDED: Final = ("position", "linear_velocity", "angular_velocity", "force")
+_BOUNDED: Final = ("position", "linear_velocity", "force")
 
 
 def _beyond(vectors: Floats) -> Flags:

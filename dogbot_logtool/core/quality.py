@@ -1,6 +1,5 @@
 """What the times of each topic's messages say."""
 
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -147,8 +146,7 @@ class TopicQuality(NamedTuple):
         return None if None in kinds else sum(each or 0 for each in kinds)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class TopicTimes:
+class TopicTimes(NamedTuple):
     """When the messages of a topic were logged, and what their headers say."""
 
     topic: str

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -37,8 +37,7 @@ class VectorSamples:
     """(n, 3) rad/s, of an inertial unit; NaN: not recorded."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class VectorTopic:
+class VectorTopic(NamedTuple):
     """Vectors of one topic: velocity commands, or accelerations."""
 
     samples: VectorSamples
@@ -71,8 +70,7 @@ class JointSamples:
         return JointSamples(self.log_time, self.stamp, *values)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class JointTable:
+class JointTable(NamedTuple):
     """Joint states of a topic, in the order of the log."""
 
     topic: str

@@ -9,17 +9,14 @@ The field's name is the key, the string below it its definition, its annotation 
 what a log must hold for it.
 """
 
-import ast
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache
-from itertools import pairwise
-from pathlib import Path
 from typing import Annotated, Any, Final, NamedTuple, Self, TypeVar, get_args, get_origin
 
 from dogbot_logtool.core.arrays import Aggregate
+from dogbot_logtool.core.definitions import definitions
 
 R = TypeVar("R", bound=Any)
 Json = dict[str, Any]
@@ -102,33 +99,6 @@ def _field(name: str, hint: Any) -> Field:  # noqa: ANN401 - any annotation
         return Field(name, "records" if is_record(item) else "list", item, nullable, of)
     kind = LEAVES.get(inner, "record" if is_record(inner) else "scalar")
     return Field(name, kind, inner, nullable, of)
-
-
-def definitions(record: Any) -> dict[str, str]:  # noqa: ANN401 - any record
-    """Read the strings below the fields of a record, or of an enumeration, from the source."""
-    found: dict[str, str] = {}
-    package = record.__module__.partition(".")[0]
-    for each in reversed(record.__mro__):
-        if each.__module__.startswith(package):
-            found |= _definitions_in(each.__module__).get(each.__name__, {})
-    return found
-
-
-@cache
-def _definitions_in(module: str) -> dict[str, dict[str, str]]:
-    source = Path(str(sys.modules[module].__file__)).read_text(encoding="utf-8")
-    classes = (each for each in ast.parse(source).body if isinstance(each, ast.ClassDef))
-    return {each.name: dict(_strings_below(each.body)) for each in classes}
-
-
-def _strings_below(body: Sequence[ast.stmt]) -> Iterator[tuple[str, str]]:
-    for line, below in pairwise(body):
-        match line, below:
-            case (
-                ast.AnnAssign(target=ast.Name(id=name)) | ast.Assign(targets=[ast.Name(id=name)]),
-                ast.Expr(value=ast.Constant(value=str(words))),
-            ):
-                yield name, " ".join(words.split())
 
 
 def metric_paths(record: Any, prefix: str = "") -> Iterator[tuple[str, Field, str]]:  # noqa: ANN401

@@ -1,8 +1,7 @@
 """Does the robot stand safely on the feet that are down? Support polygon, margins, pressure."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -36,8 +35,7 @@ def centre_of_pressure(points: Floats, load: Floats) -> Floats:
     return centre
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Hulls:
+class Hulls(NamedTuple):
     """Convex hulls of the feet that are down, seen from above."""
 
     point: Floats
@@ -104,8 +102,7 @@ _CHUNK_NUMBERS: Final = 500_000
 """Pairs of feet, times instants, that are looked at in one go."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Instants:
+class Instants(NamedTuple):
     """Base and feet at n instants, up to 100 a second, of the time that is known of all of them."""
 
     extent: Ints
@@ -140,20 +137,20 @@ class Instants:
 
 
 def stability(
-    found: Instants, within: Ints | None = None, *, vertical_known: bool, height_known: bool = True
+    found: Instants, within: Ints, *, vertical_known: bool, height_known: bool
 ) -> Stability | None:
     """Measure static stability; each instant speaks for the same part of the known time.
 
     Args:
         found: base and feet.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
         vertical_known: whether vertical forces are known; else there is no centre of pressure.
         height_known: whether the base's height over the feet is known.
 
     Returns:
         None without any instant.
     """
-    spans = found.extent if within is None else within
+    spans = timespans.intersect([found.extent, within])
     rows = timespans.covers(spans, found.time)
     if not rows.any():
         return None

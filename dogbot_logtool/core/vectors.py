@@ -1,4 +1,4 @@
-"""Vectors of one topic at a bounded rate, and their times on the clock that is measured on.
+"""Vectors of one topic, and their times on the clock that is measured on.
 
 Header stamps are used where they are of the base's clock. Times of messages without such stamps are
 their log times, put on the clock of the base by how far the base's stamps lie behind log time: a
@@ -6,8 +6,7 @@ delay then includes that of the recorder, and a finding says so.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -21,22 +20,18 @@ from dogbot_logtool.core.corrections.clock import (
     check_stamps,
     clock_at,
     clock_differences,
-    first_at_each_tick,
     offset_track,
     too_far_apart,
 )
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.recording import VectorSamples
 
-RATE_HZ: Final = 100.0
-"""A day at this rate is half a gigabyte."""
 MOST: Final = 1e6
 """m/s, rad/s or m/s^2; no robot reaches more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class VectorHistory:
-    """Vectors of one topic at up to 100 Hz."""
+class VectorHistory(NamedTuple):
+    """Vectors of one topic that can be used."""
 
     topic: str
     frames: tuple[str, ...]
@@ -76,12 +71,7 @@ def vector_history(
     usable = np.asarray((np.abs(samples.vector) <= MOST).all(axis=1))
     check = check_stamps(topic, samples.stamp, samples.log_time)
     by_stamps = clock is TimeSource.HEADER and _is_stamped_like(samples, check, base)
-    good = usable & check.usable if by_stamps else usable.copy()
-    good[good] = advancing(samples.log_time[good])
-    kept = picked(samples, good)
-    steps = np.diff(kept.log_time)
-    if len(kept.log_time):
-        kept = _averaged(kept)
+    kept = picked(samples, usable & check.usable if by_stamps else usable)
     time = kept.stamp if by_stamps else kept.log_time
     if clock is TimeSource.HEADER and not by_stamps and base is not None and len(base[0]):
         middle = base[0] * WINDOW_NS + WINDOW_NS // 2
@@ -95,21 +85,9 @@ def vector_history(
         time=time[goes_on],
         vector=kept.vector[goes_on],
         turn_rate=kept.turn_rate[goes_on],
-        gap_ns=steady_gap_ns(steps),
+        gap_ns=steady_gap_ns(np.diff(time[goes_on])),
         on_log_time=not by_stamps,
     )
-
-
-def _averaged(samples: VectorSamples) -> VectorSamples:
-    """Return the means of all rows in each 10 ms of log time."""
-    first = np.flatnonzero(first_at_each_tick(samples.log_time, RATE_HZ))
-    number = np.diff(first, append=len(samples.log_time))
-    log_time, stamp = (
-        each[0] + (np.add.reduceat(each - each[0], first) // number)
-        for each in (samples.log_time, samples.stamp)
-    )
-    vector = np.add.reduceat(samples.vector, first, axis=0) / number[:, None]
-    return VectorSamples(log_time, stamp, vector, samples.turn_rate[first])
 
 
 def _is_stamped_like(samples: VectorSamples, check: StampCheck, base: OffsetTrack | None) -> bool:

@@ -11,15 +11,14 @@ from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
-from dogbot_logtool.core.base.witness import Frozen, Witness
-from dogbot_logtool.core.consistency import Worlds
+from dogbot_logtool.core.base.witness import Witness
+from dogbot_logtool.core.consistency import Delay, Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
 from dogbot_logtool.core.gait.strides import typical_period_s
 from dogbot_logtool.core.gait.support import Standing, Support, support
-from dogbot_logtool.core.heave import Delay
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads, loads_of
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
@@ -53,9 +52,8 @@ class Walk:
     poses: BaseHistory
     """Poses without jumps."""
     jumps: PoseJumps
-    frozen: Frozen | None
-    """Time in which one pose is repeated although the robot walks on; masked. None: there is
-    none."""
+    frozen: Ints
+    """(s, 2) ns, time in which one pose is repeated although the robot walks on; masked."""
     base_by_feet: bool
     """Whether the feet's motion stands in for poses of which none can be used."""
     witness: Witness | None
@@ -200,7 +198,7 @@ class Walk:
         """Return the support pattern; where one foot's state is not known, none is."""
         return support(self.records) if self.contacts_known else None
 
-    def stability_in(self, within: Ints | None = None) -> Stability | None:
+    def stability_in(self, within: Ints = timespans.ALWAYS) -> Stability | None:
         """Return the stability, where base and feet are on one clock and in one world."""
         if self.instants is None:
             return None
@@ -216,11 +214,9 @@ class Walk:
         spans = [foot.strides.spans for foot in self.feet]
         return next(filter(len, spans), timespans.no_spans())
 
-    def loads_in(self, within: Ints | None = None) -> WalkLoads:
+    def loads_in(self, within: Ints = timespans.ALWAYS) -> WalkLoads:
         """Return the loads of all feet over whole strides of the first foot that has any."""
-        strides = self.strides
-        if within is not None:
-            strides = strides[timespans.covers(within, strides.sum(axis=1) // 2)]
+        strides = self.strides[timespans.covers(within, self.strides.sum(axis=1) // 2)]
         return loads_of(
             self.records,
             self.settings.body_weight_n,

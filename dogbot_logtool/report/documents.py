@@ -6,9 +6,10 @@ from typing import Any, Final, NamedTuple
 from xml.etree import ElementTree as ET
 
 from dogbot_logtool import __version__
-from dogbot_logtool.core.events.event import with_steps
+from dogbot_logtool.core.definitions import definitions
+from dogbot_logtool.core.event import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
-from dogbot_logtool.core.records import Field, definitions, fields_of, to_json, values
+from dogbot_logtool.core.records import Field, fields_of, to_json, values
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.io.plain_json import not_finite, only_finite
 from dogbot_logtool.io.printable import listed, printable, printable_lines

@@ -15,7 +15,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
+from dogbot_logtool.core.scene.feet import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import ExtraMissingError, LogError
 from dogbot_logtool.io.printable import printable

@@ -7,7 +7,7 @@ from pathlib import Path
 from string import Template
 from typing import Any, Final, NamedTuple
 
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
 from dogbot_logtool.writer.topics import (

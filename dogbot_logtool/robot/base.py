@@ -5,7 +5,7 @@ A base is a topic, and where its messages hold poses of several things an elemen
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
@@ -53,8 +53,7 @@ _NO_NAMES: Final = (
 _SURE, _PERHAPS, _NEVER = 0, 1, 2
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ChosenBase:
+class ChosenBase(NamedTuple):
     """The base of a log, and the robot with the frames that it names."""
 
     robot: Robot

@@ -157,7 +157,7 @@ def _likely_fields(kinds: _Kinds, around: str) -> Iterator[tuple[str, str]]:
 def _field(name: str, topic: str, path: str, is_a: str) -> Foot:
     """Return a field as a foot; what integers are read as is said until their content tells."""
     field = FootField(path, kind="contact" if is_a == "integer" else "")
-    return Foot(name, topic, leg_position=leg_position(name), field=field)
+    return Foot(name, topic, field=field)
 
 
 def _elements(topic: str, path: str, is_a: str, kinds: _Kinds) -> tuple[Foot, ...]:
@@ -178,11 +178,8 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[FootSet]:
     chosen, others = name_feet(fields, contacts_only=True)
     sets = [one for one in (chosen, *others) if one and one.kind != "alone"]
     for one in sets:
-        feet = []
-        for foot in one.feet:
-            position = foot.leg_position or leg_position(foot.name)
-            own = fields[foot.topic]
-            feet.append(replace(foot, topic=own.topic, field=own.field, leg_position=position))
+        told = [(foot, fields[foot.topic]) for foot in one.feet]
+        feet = [replace(foot, topic=own.topic, field=own.field) for foot, own in told]
         yield one._replace(feet=tuple(feet))
     groups: dict[tuple[str, ...], dict[str, str]] = {}
     for name in sorted(fields)[:_MOST_NAMES]:
@@ -196,8 +193,8 @@ def _siblings(fields: Mapping[str, Foot]) -> Iterator[FootSet]:
             feet = []
             for word in sorted(group, key=lambda each: (int(each) if each.isdigit() else 0, each)):
                 name = f"foot_{word}" if word.isdigit() else word
-                position = leg_position(name)
-                feet.append(replace(fields[group[word]], name=name, leg_position=position))
+                own = fields[group[word]]
+                feet.append(replace(own, name=name, leg_position=leg_position(name)))
             yield FootSet(tuple(feet), "one word")
 
 
@@ -284,11 +281,10 @@ def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
     marks.append((1 if len(feet) in _USUAL_FEET else -1, ""))
     kind = "contact" if are_states else "force"
     told = []
-    for foot, _ in zip(named.feet, feet, strict=False):
-        if foot.field:
-            # It is said only where the type of the field would say something else.
-            said = "" if kind == (foot.field.kind or "force") else kind
-            told.append(replace(foot, field=replace(foot.field, kind=said)))
+    for foot, field in [(each, each.field) for each in named.feet[: len(feet)] if each.field]:
+        # It is said only where the type of the field would say something else.
+        said = "" if kind == (field.kind or "force") else kind
+        told.append(replace(foot, field=replace(field, kind=said)))
     return named._replace(feet=tuple(told), marks=(*named.marks, *marks))
 
 
@@ -318,8 +314,6 @@ def _in_time(down: Flags) -> Iterator[Mark]:
         yield -2, "all are the same signal"
     elif some >= _FEWEST_DOWN and every < some:
         yield 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
-    else:
-        yield 0, f"at least one is on {some:.0%} of the time"
 
 
 def _of_loads(signed: Floats) -> Iterator[Mark]:
@@ -331,8 +325,6 @@ def _of_loads(signed: Floats) -> Iterator[Mark]:
         own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
         if spread <= _STEADY and own >= _UNSTEADY * spread:
             yield 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
-        else:
-            yield 0, f"their sum varies by {spread:.0%}"
     low, high = percentiles_of(signed, _TENTH, axis=0)
     smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
     if ((low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)).any():

@@ -3,10 +3,9 @@
 import asyncio
 import logging
 import pickle
-import pkgutil
 import re
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from dogbot_logtool import __version__
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.run.executor import AHEAD, LOOK_EVERY_S, ExecutorRunner, RunLost
-from dogbot_logtool.run.runner import Failure, Progress, Result, Work, attempt
+from dogbot_logtool.run.runner import Failure, Result, Work, attempt
 
 try:
     import distributed
@@ -24,13 +23,10 @@ except ImportError as error:
     raise ExtraMissingError("--scheduler", "fleet") from error
 
 _DASK_VERSION: Final[str] = distributed.__version__  # type: ignore[attr-defined]
-_PACKAGE: Final = "dogbot_logtool"
 _ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://\S+")
 _CONNECT_S: Final = 10
-_FIRST_WORKER_S: Final = 10
-"""How long a scheduler may be without workers when a run begins."""
-_NEXT_WORKER_S: Final = 60
-"""How long it may be without workers while a run goes on: lost ones may be started anew."""
+_WORKER_S: Final = 30
+"""How long a scheduler may be without workers: lost ones may be started anew."""
 _CLOSE_S: Final = 5
 
 
@@ -60,53 +56,6 @@ class ClusterRunner(ExecutorRunner[Result]):
         self._executor = self._client.get_executor(pure=False)
         self._looks_without_workers = 0
 
-    def run(
-        self, work: Work[Result], items: Sequence[Any], progress: Progress
-    ) -> Iterator[Result | Failure]:
-        """See `ExecutorRunner.run`.
-
-        Raises:
-            LogtoolError: there are no workers, or some of them cannot do it.
-        """
-        try:
-            self._await_workers(progress)
-            self._check_workers()
-        except OSError as error:
-            raise LogtoolError(f"--scheduler {self._name}: it was lost; start it again") from error
-        yield from super().run(work, items, progress)
-
-    def _await_workers(self, progress: Progress) -> None:
-        if not self._has_workers():
-            progress.say(f"{self._name} has no workers; waiting {_FIRST_WORKER_S} s for one")
-        try:
-            self._client.wait_for_workers(1, _FIRST_WORKER_S)
-        except TimeoutError as error:
-            raise LogtoolError(
-                f"--scheduler {self._name}: has no workers; start some where dogbot-logtool is "
-                f"installed, with: dask worker {self._name}"
-            ) from error
-
-    def _has_workers(self) -> bool:
-        return bool(self._client.scheduler_info(n_workers=1)["workers"])
-
-    def _check_workers(self) -> None:
-        """Refuse workers that cannot do the work.
-
-        Raises:
-            LogtoolError: some have no dogbot-logtool, or another version.
-        """
-        for package, here in (("distributed", _DASK_VERSION), (_PACKAGE, __version__)):
-            name = f"{package}:__version__"
-            found = self._client.run(pkgutil.resolve_name, name, on_error="return")
-            wrong = {worker: there for worker, there in found.items() if there != here}
-            if wrong:
-                worker, there = min(wrong.items())
-                what = f"has {there}" if isinstance(there, str) else f"has none ({there})"
-                raise LogtoolError(
-                    f"--scheduler {self._name}: {len(wrong)} of {len(found)} workers cannot do it: "
-                    f"here is {package} {here}, and {worker} {what}; install the same there"
-                )
-
     def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """See `ExecutorRunner.submit`."""
         call = pickle.dumps(_Call((__version__, work, item)))
@@ -121,12 +70,15 @@ class ClusterRunner(ExecutorRunner[Result]):
         if self._client.status != "running":
             raise self._run_lost()
         try:
-            found = self._has_workers()
+            found = self._client.scheduler_info(n_workers=1)["workers"]
         except OSError as error:
             raise self._run_lost() from error
         self._looks_without_workers = 0 if found else self._looks_without_workers + 1
-        if self._looks_without_workers * LOOK_EVERY_S > _NEXT_WORKER_S:
-            raise RunLost(f"was not done: {self._name} has no workers any more")
+        if self._looks_without_workers * LOOK_EVERY_S > _WORKER_S:
+            raise RunLost(
+                f"was not done: {self._name} has no workers; start some where dogbot-logtool is "
+                f"installed, with: dask worker {self._name}"
+            )
 
     def _run_lost(self) -> RunLost:
         return RunLost(f"was not done: the scheduler {self._name} was lost")

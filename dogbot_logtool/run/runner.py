@@ -42,9 +42,6 @@ class Progress(Protocol):
     def lost(self, number: int) -> None:
         """Show that the worker of an item was lost, and that the item will be tried once more."""
 
-    def say(self, sentence: str) -> None:
-        """Show a sentence that the user should read."""
-
 
 class Runner(ABC, Generic[Result]):
     """Works on items."""

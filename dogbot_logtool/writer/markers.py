@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from dogbot_logtool.core.scene.arrows import LIFETIME_S
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.writer.described import MARKER, MARKERS, STAMP, Described, slots, time
 from dogbot_logtool.writer.template import Literal, Of, Slot
 

@@ -1,9 +1,8 @@
 """MCAP message records of the output, many at a time."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import groupby
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from mcap.opcode import Opcode
@@ -16,8 +15,7 @@ _MANY: Final = 64 << 10
 """Bytes of one channel's messages from which they get chunks of their own."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MessageRecords:
+class MessageRecords(NamedTuple):
     """Consecutive message records."""
 
     data: Bytes

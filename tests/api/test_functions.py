@@ -2,7 +2,6 @@
 
 import csv
 import doctest
-import inspect
 import json
 import re
 import subprocess
@@ -13,7 +12,6 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from mcap.reader import make_reader
 
 import dogbot_logtool as dl
 from dogbot_logtool.api import functions
@@ -51,11 +49,6 @@ def test_the_examples_in_docstrings_hold(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.chdir(ROOT)
     assert doctest.testmod(functions).attempted >= 5
     assert doctest.testmod(functions).failed == 0
-
-
-def test_help_lists_the_keywords() -> None:
-    assert "contact_on_n=20" in (dl.measure.__doc__ or "")
-    assert {"robot", "mass", "start", "set"} <= inspect.signature(dl.measure).parameters.keys()
 
 
 def test_metrics_are_those_of_stats_json(walk: dl.Walk) -> None:
@@ -117,29 +110,6 @@ def test_the_same_options_measure_the_same() -> None:
     assert (told.clock, told.mass_kg, told.feet["front_left"].debounce_s) == ("log", 20.0, 0.03)
 
 
-def test_the_same_options_convert_to_the_same_bytes(tmp_path: Path) -> None:
-    words = [
-        *("--style", "force", "--encoding", "ros1", "--topics", "/dogbot/*", "--topics", "!*imu"),
-        *("--tf", "always", "--tf-rate", 0, "--start", 1),
-        *("--end", 4, "--compression", "lz4", "--set", "tare=none", "--jobs", 1),
-    ]
-    assert run("convert", TROT, *words, "-o", tmp_path / "words.mcap").returncode == 0
-    dl.convert(
-        TROT,
-        tmp_path / "keywords.mcap",
-        style="force",
-        encoding="ros1",
-        topics=["/dogbot/*", "!*imu"],
-        tf="always",
-        tf_rate=0,
-        start=1,
-        end=4,
-        compression="lz4",
-        set={"tare": "none"},
-    )
-    assert (tmp_path / "words.mcap").read_bytes() == (tmp_path / "keywords.mcap").read_bytes()
-
-
 def test_files_of_one_recording(tmp_path: Path) -> None:
     files = [tmp_path / "feet.mcap", tmp_path / "base.mcap"]
     for file, topics in zip(files, ("*contact*", "/dogbot/odom"), strict=True):
@@ -159,8 +129,11 @@ def test_frames_gaits_pages_and_figures(tmp_path: Path) -> None:
     assert [each.metric for each in compared.differences] == [
         each["metric"] for each in printed["differences"]
     ]
-    run("report", TROT, "--no-replay", "-o", tmp_path / "words.html")
-    run("stats", TROT, "--figure", tmp_path / "words.svg", "-q")
+    words = run("report", TROT, "--no-replay", "-o", tmp_path / "words.html", "--jobs", 3, "--json")
+    assert json.loads(words.stdout)["bytes"] == (tmp_path / "words.html").stat().st_size
+    figure = run("stats", TROT, "--figure", tmp_path / "words.svg", "--jobs", 3, "--json")
+    assert json.loads(figure.stdout)["gait"]["name"] == "trot"
+    assert re.search(r"words.svg: \d\.\d\d to \d\.\d\d s", figure.stderr)
     walk = walk_of(TROT)
     walk.report(tmp_path / "keywords.html", replay=False)
     start, end = walk.plot(tmp_path / "keywords.svg")
@@ -183,12 +156,12 @@ def test_a_log_is_read_as_columns() -> None:
 
 
 def test_convert_compare_info_and_check(tmp_path: Path) -> None:
-    done = dl.convert(WALK, tmp_path / "walk.mcap", style="force", topics="!/dogbot/imu")
+    words = ("--style", "force", "--topics", "/dogbot/*", "--topics", "!*imu", "--tf-rate", 0)
+    assert run("convert", WALK, *words, "-o", tmp_path / "words.mcap").returncode == 0
+    topics = ["/dogbot/*", "!*imu"]
+    done = dl.convert(WALK, tmp_path / "walk.mcap", style="force", topics=topics, tf_rate=0)
     assert not done.damage.losses
-    with (tmp_path / "walk.mcap").open("rb") as stream:
-        topics = {each.topic for each in make_reader(stream).get_summary().channels.values()}  # type: ignore[union-attr]
-    assert "/load/front_left" in topics
-    assert "/dogbot/imu" not in topics
+    assert (tmp_path / "words.mcap").read_bytes() == (tmp_path / "walk.mcap").read_bytes()
     assert dl.compare(WALK, str(WALK)).exit_code == 0
     assert dl.info(tmp_path / "walk.mcap").robot == "dogbot"
     limits = tmp_path / "limits.toml"
@@ -201,15 +174,12 @@ def test_convert_compare_info_and_check(tmp_path: Path) -> None:
     ("options", "sentence"),
     [
         ({"mass": -1.0}, "mass=-1.0: must be a number from 0.001 to 1e+06"),
-        ({"mass": float("nan")}, "mass=nan: must be a number"),
         ({"start": 1e10}, "must be a number of seconds"),
-        ({"jobs": 0}, "jobs=0: must be a whole number from 1 to 256"),
         ({"jobs": 1.5}, "jobs=1.5: must be a whole number"),
         ({"join": "b.bag"}, "join='b.bag': must be True or False"),
         ({"foot": {"a/b": "/x"}}, "--foot a/b: a foot's name has letters, digits and _ only"),
         ({"set": {"contact_on": 12}}, "did you mean contact_on_n"),
         ({"set": {"contact_on_n": "much"}}, "must be a number above 0"),
-        ({"set": {"contact_on_n": 3, "contact_off_n": 4}}, "contact_off_n 4 is above"),
         ({"set": {"wrench_frame": "earth"}}, "must be one of auto, world, link"),
         ({"set": {"tare.front_left": (0.0, 1.0)}}, "must be three numbers"),
         ({"set": {"tare.nose": (0.0, 1.0, 2.0)}}, "the log has no such foot"),

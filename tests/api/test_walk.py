@@ -1,19 +1,24 @@
-"""Tables of a walk, against messages decoded one by one, and against the truth of sample logs."""
+"""Tables of a walk, against messages decoded one by one, and as other libraries take them."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
 import pytest
 
 import dogbot_logtool as dl
+from dogbot_logtool.api import table
+from dogbot_logtool.api.table import Table
+from dogbot_logtool.errors import LogtoolError
 from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
-from tests.oracles.recorded import ODOMETRY, contact_topic, decoded_log
+from tests.oracles.recorded import contact_topic, decoded_log
 from tests.oracles.ros1_logs import mixed_contacts, write_bag
-from tests.paths import TROT, TROUBLED, WALK
+from tests.paths import TROUBLED, WALK
 
 FOOT = "front_left"
 
@@ -83,33 +88,6 @@ def test_a_stance_with_a_gap_is_cut_and_a_dead_foot_is_unknown() -> None:
     assert set(troubled.samples("back_left")["state"]) == {"unknown"}
 
 
-def test_forces_of_a_link_are_turned_into_the_world() -> None:
-    trot = dl.measure(TROT, end=2.0)
-    truth = json.loads(TROT.with_suffix(".truth.json").read_text())
-    samples = {foot: trot.samples(foot) for foot in trot.feet}
-    time = samples["front_left"]["time_s"]
-    total = sum(np.interp(time, each["time_s"], each["force_z_n"]) for each in samples.values())
-    assert np.isfinite(total).mean() > 0.95
-    assert np.nanmedian(total) == pytest.approx(truth["robot"]["weight_n"], rel=0.01)
-
-
-def test_whole_stances_are_those_of_the_truth(walk: dl.Walk) -> None:
-    truth = json.loads(WALK.with_suffix(".truth.json").read_text())
-    stances = walk.stances
-    whole = stances["cut"] == ""
-    period, duty = truth["gait"]["period_s"], truth["gait"]["duty_factor"]
-    lasting = (stances["lift_off_s"] - stances["touchdown_s"])[whole]
-    assert lasting == pytest.approx(np.full(whole.sum(), period * duty), abs=0.005)
-
-
-def test_the_base_is_where_odometry_says(walk: dl.Walk) -> None:
-    messages = [each.message for each in decoded_log(WALK)[ODOMETRY]]
-    time = [stamp_s(each, walk.start_ns) for each in messages]
-    x = [each.pose.pose.position.x for each in messages]
-    assert np.isin(walk.base["time_s"], time).all()
-    assert walk.base["x_m"] == pytest.approx(np.interp(walk.base["time_s"], time, x))
-
-
 def test_a_wrong_foot_lists_those_that_exist(walk: dl.Walk) -> None:
     with pytest.raises(dl.CallError, match="'left' is no foot of this robot; it has front_left"):
         walk.samples("left")
@@ -136,9 +114,56 @@ def test_curves_pass_through_what_was_recorded(walk: dl.Walk) -> None:
             assert curve[percent] == pytest.approx(np.interp(at, time, vertical), abs=1e-6)
 
 
-def test_the_usual_curve_is_that_of_the_figures(walk: dl.Walk) -> None:
-    figure = walk.stats["feet"][FOOT]["vertical_over_stride_n"]
-    curves = walk.curves(FOOT, points=51)
-    assert curves["percent"].tolist() == figure["percent"]
-    difference = np.median(curves["force_z_n"], axis=0) - figure["median"]
-    assert np.abs(difference).mean() < 5.0
+# --- Tables ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def small() -> Table:
+    return Table(
+        {
+            "foot": np.array(["left", None], np.object_),
+            "force_n": np.array([1.5, np.nan]),
+            "in_contact": np.array([True, False]),
+        }
+    )
+
+
+def test_columns_by_name(small: Table) -> None:
+    assert len(small) == 2
+    assert list(small) == ["foot", "force_n", "in_contact"]
+    assert small["in_contact"].tolist() == [True, False]
+    assert repr(small) == "<Table of 2 rows: foot, force_n, in_contact>"
+    assert len(Table({})) == 0
+
+
+def test_a_wrong_column_lists_those_that_exist(small: Table) -> None:
+    with pytest.raises(KeyError, match="the columns are foot, force_n, in_contact"):
+        small["forces"]
+
+
+def test_pandas_gets_columns_of_its_own(small: Table) -> None:
+    frame = small.to_pandas()
+    assert isinstance(frame, pd.DataFrame)
+    assert frame["in_contact"].tolist() == [True, False]
+    frame.loc[0, "force_n"] = 2.0
+    assert small["force_n"][0] == 1.5
+
+
+def test_arrow_has_null_for_what_is_not_known(small: Table) -> None:
+    arrow = small.to_arrow()
+    assert arrow["force_n"].to_pylist() == [1.5, None]
+    assert arrow["foot"].to_pylist() == ["left", None]
+
+
+def test_what_takes_arrow_takes_a_table_as_it_is(small: Table) -> None:
+    assert pa.table(small) == small.to_arrow()
+    assert pl.DataFrame(small)["force_n"].to_list() == [1.5, None]
+
+
+def test_a_missing_package_is_named(small: Table, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> None:
+        raise ImportError(name)
+
+    monkeypatch.setattr(table, "import_module", missing)
+    with pytest.raises(LogtoolError, match="pip install pandas"):
+        small.to_pandas()

@@ -1,17 +1,20 @@
 """Calls as users type them: exit code, the first line of stderr, and what stdout says."""
 
 import shlex
-from pathlib import Path
 
 import click
 import pytest
 
 from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli
+from dogbot_logtool.core.definitions import definitions
 from dogbot_logtool.gone import _EVERYWHERE
-from dogbot_logtool.option import definitions, options_of
+from dogbot_logtool.option import options_of
 from dogbot_logtool.options import COMMANDS, CommonOptions, record_of
-from tests.oracles.small_logs import first_seconds, odometry_log, string_log
+from tests.oracles.recorded import TEXT_TYPE, S
+from tests.oracles.ros1_logs import text, write_ros1_mcap
+from tests.oracles.small_logs import first_seconds
+from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Shell
 
@@ -161,7 +164,7 @@ def test_what_is_no_log_exits_with_1(shell: Shell, command: str) -> None:
 
 
 def test_nothing_to_annotate_lists_the_topics(shell: Shell) -> None:
-    string_log(shell.folder / "log.mcap", [("/said", b"hello")])
+    write_ros1_mcap(shell.folder / "log.mcap", [Entry("/said", TEXT_TYPE, S, text("hello"))])
     done = shell("convert", "log.mcap")
     assert (done.code, done.out, shell.files()) == (1, "", ["log.mcap"])
     assert "/said  std_msgs/String" in done.err
@@ -173,11 +176,3 @@ def test_a_bad_log_does_not_stop_the_others(shell: Shell) -> None:
     assert done.code == 2
     assert [bool(one.get("error")) for one in done.json] == [False, True, False]
     assert done.err == "error: 1 of 3 logs could not be done\n  nothing.bag  no such file\n"
-
-
-def test_damage_is_said_first_and_exits_with_3(shell: Shell) -> None:
-    log: Path = odometry_log(shell.folder / "log.mcap", "/odom", cut=1)
-    done = shell("convert", log, "-o", "x.mcap", "--json", "-q")
-    assert (done.code, done.json["damage"]["messages"]) == (3, 1)
-    assert done.err.startswith("damage: ")
-    assert shell.files() == ["log.mcap", "x.mcap"]

@@ -1,4 +1,4 @@
-"""Names from logs, robots' files and files never reach a terminal or a spreadsheet as they are."""
+"""Names from logs, robots' files and URLs reach no terminal or spreadsheet as they are."""
 
 import csv
 import io
@@ -16,7 +16,7 @@ from mcap.writer import Writer as McapWriter
 
 from tests.forked_cli import run, run_on_terminal
 from tests.oracles.small_logs import odometry_log
-from tests.paths import WALK
+from tests.paths import TROT, WALK
 from tests.shell import Shell
 
 SECONDS = 3
@@ -151,3 +151,37 @@ def test_names_with_markup_and_odd_bytes(shell: Shell) -> None:
         json.loads(done.stdout)["annotations"].items()
         >= {"/tf": 10, "/robot_description": 1}.items()
     )
+
+
+# --- Passwords and signatures ---------------------------------------------------------------------
+
+
+QUERY = "?signature=SECRET&x=SECRET"
+URL = f"http://user:SECRET@127.0.0.1:1/a.bag{QUERY}"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["info", URL.replace("127.0.0.1:1", "[bad")],
+        ["info", f"gopher://user:SECRET@host/a.bag{QUERY}"],
+        ["info", f"simplecache::{URL}"],
+        ["info", f"zip://a.bag::{URL}"],
+        ["stats", str(TROT), "--robot", URL],
+        ["stats", str(TROT), "--figure", URL],
+        ["stats", str(TROT), "--scheduler", URL],
+        ["stats", str(TROT), "--scheduler", "tcp://user:SECRET@127.0.0.1:1"],
+        ["compare", URL, URL],
+        ["compare", str(TROT), str(TROT), "--tolerances", URL],
+        ["compare", str(TROT), str(TROT), "--junit", URL],
+        ["layout", "-o", URL],
+        ["robots", URL],
+    ],
+    ids=" ".join,
+)
+def test_no_error_shows_them(words: list[str]) -> None:
+    done = run(*words)
+    assert done.returncode in {1, 2}
+    assert done.stderr.startswith(("error: ", "Usage: "))
+    assert "SECRET" not in done.stdout + done.stderr
+    assert "Traceback" not in done.stderr

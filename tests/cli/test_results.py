@@ -1,10 +1,10 @@
-"""What commands make: JSON, tables, figures, judgements, and whole files only."""
+"""What commands make, and where: JSON, tables, figures, judgements, and whole files only."""
 
 import csv
 import io
 import json
 import os
-import re
+import stat
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -14,8 +14,9 @@ import pyarrow.parquet as pq
 import pytest
 from mcap.reader import make_reader
 
+from dogbot_logtool.report.page.assets import shared_name
 from tests.measured import walk_of
-from tests.oracles.small_logs import first_seconds
+from tests.oracles.small_logs import first_seconds, odometry_log
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Outcome, Shell
 
@@ -65,18 +66,6 @@ def test_the_input_is_never_the_output(shell: Shell) -> None:
     assert log.read_bytes() == WALK.read_bytes()
 
 
-def test_a_figure_is_the_same_for_any_jobs(shell: Shell) -> None:
-    words = ("stats", WALK, "--figure", "walk.svg", "--start", 2, "--end", 6)
-    done = shell(*words, "--json")
-    assert (done.code, done.json["gait"]["name"]) == (0, "walk")
-    assert re.search(r"walk.svg: \d\.\d\d to \d\.\d\d s", done.err)
-    first = (shell.folder / "walk.svg").read_bytes()
-    assert "--overwrite" in shell(*words).err
-    again = shell(*words, "--overwrite", "--jobs", 3, "-q")
-    assert (again.code, again.err) == (0, "")
-    assert (shell.folder / "walk.svg").read_bytes() == first
-
-
 def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: Shell) -> None:
     (shell.folder / "limits.toml").write_text(TROTS)
     check = ("check", "--limits", "limits.toml")
@@ -94,12 +83,6 @@ def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: She
     told = [(suite.get("failures"), suite.get("errors")) for suite in suites]
     assert told == [("0", "0"), ("1", "0"), ("0", "1")]
     assert suites[1][0].get("name") == "it trots"
-
-
-def test_suggested_limits_pass_the_run_and_fail_another(shell: Shell) -> None:
-    (shell.folder / "limits.toml").write_text(shell("check", "--suggest", short()).out)
-    assert shell("check", "--limits", "limits.toml", short()).code == 0
-    assert shell("check", "--limits", "limits.toml", WALK).code == 1
 
 
 def test_a_baseline_is_another_run(shell: Shell) -> None:
@@ -153,14 +136,77 @@ def test_a_layout_and_a_robot_s_file_are_files_too(shell: Shell) -> None:
     assert shell("convert", TROUBLED, "--robot", "mine.toml", "-q").code == 0
 
 
-@pytest.mark.skipif(os.name == "nt", reason="as many bytes as a name may have")
-def test_targets_that_cannot_be_written(shell: Shell) -> None:
-    (shell.folder / "file").write_text("")
-    for target in ("file/x.mcap", "x" * 300 + ".mcap"):
-        done = shell("convert", TROUBLED, "-o", target)
-        assert done.code in {1, 2}
-        assert (done.err[:7], done.err.count("\n")) == ("error: ", 1)
-    name = "x" * 250 + ".mcap"
-    (shell.folder / name).write_text("the disk takes it")
-    assert shell("convert", TROUBLED, "-o", name, "--overwrite", "-q").code == 0
-    assert shell.files() == ["file", name]
+# --- Where they write -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def logs(tmp_path: Path) -> Path:
+    """Return a directory of two small logs, one of them a directory below."""
+    folder = tmp_path / "logs"
+    (folder / "far").mkdir(parents=True)
+    odometry_log(folder / "one.mcap", "/odom")
+    odometry_log(folder / "far" / "two.mcap", "/odom")
+    return folder
+
+
+def test_outputs_lie_as_the_logs_of_a_directory_do(shell: Shell, logs: Path) -> None:
+    assert shell("convert", logs / "one.mcap", "-o", "out/deeper/").code == 0
+    assert (shell.folder / "out" / "deeper" / "one.annotated.mcap").is_file()
+    assert shell("convert", logs, "-o", "out", "--jobs", 1).code == 0
+    assert (shell.folder / "out" / "one.annotated.mcap").is_file()
+    assert (shell.folder / "out" / "far" / "two.annotated.mcap").is_file()
+
+
+@pytest.mark.parametrize("kind", ["directory", "glob", "list"])
+def test_what_may_hold_several_logs_makes_a_directory_also_for_one(
+    shell: Shell, logs: Path, kind: str
+) -> None:
+    (shell.folder / "list").write_text(f"{logs}/far/two.mcap\n")
+    word = {"directory": logs / "far", "glob": f"{logs}/far/*.mcap", "list": "@list"}[kind]
+    assert shell("convert", word, "-o", "out").code == 0
+    assert (shell.folder / "out" / "two.annotated.mcap").is_file()
+    # One log and the name of one file: that is what is meant.
+    assert shell("convert", word, "-o", "x.mcap").code == 0
+    assert (shell.folder / "x.mcap").is_file()
+
+
+def test_a_directory_is_not_made_for_nothing(shell: Shell, logs: Path) -> None:
+    (logs / "one.mcap").write_bytes(b"no log")
+    assert shell("convert", logs / "one.mcap", "-o", "out/").code == 1
+    assert shell("convert", logs / "one.mcap", logs / "one.mcap", "-o", "out").code == 1
+    assert shell.files() == []
+
+
+def test_a_file_is_no_directory(shell: Shell, logs: Path) -> None:
+    (shell.folder / "out").write_text("precious")
+    done = shell("convert", logs / "one.mcap", "-o", "out/deeper/")
+    assert done.code == 2
+    assert "out: is a file, not a folder" in done.err
+    assert (shell.folder / "out").read_text() == "precious"
+
+
+@pytest.mark.parametrize("name", ["out/", "out"])
+def test_pages_go_into_a_directory(shell: Shell, logs: Path, name: str) -> None:
+    words = [logs / "one.mcap", *([logs / "far" / "two.mcap"] if name == "out" else [])]
+    assert shell("report", *words, "-o", name).code == 0
+    found = sorted(file.name for file in (shell.folder / "out").iterdir())
+    pages = ["one.report.html", "two.report.html"][: len(words)]
+    beside = [shared_name(), "index.html"] if len(words) > 1 else []
+    assert found == sorted([*beside, *pages])
+
+
+def test_overwriting_keeps_what_kind_of_file_there_was(shell: Shell, logs: Path) -> None:
+    private, link = shell.folder / "private.mcap", shell.folder / "link.mcap"
+    private.write_text("old")
+    private.chmod(0o600)
+    link.symlink_to("private.mcap")
+    fifo = shell.folder / "fifo.mcap"
+    os.mkfifo(fifo)
+    assert shell("convert", logs / "one.mcap", "-o", link.name, "--overwrite").code == 0
+    assert link.is_symlink()
+    assert stat.S_IMODE(private.stat().st_mode) == 0o600
+    assert private.stat().st_size > len("old")
+    done = shell("convert", logs / "one.mcap", "-o", fifo.name, "--overwrite")
+    assert done.code == 2
+    assert "is a named pipe, not a file" in done.err
+    assert fifo.is_fifo()

@@ -1,13 +1,16 @@
-"""What a call loads: imports are most of the time that a short log takes."""
+"""What a call loads, and the memory that it takes: imports are most of the time of a short log."""
 
 import os
+import shlex
 import subprocess
 import sys
 from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
 
+from dogbot_logtool import extras
 from dogbot_logtool.extras import install_command
 from tests.oracles.small_logs import first_seconds
 from tests.paths import ROOT, TROT, WALK
@@ -23,8 +26,6 @@ DISTRIBUTIONS = {f"rosbags.typesys.stores.{each}" for each in ("ros1_noetic", "r
     ("words", "unneeded"),
     [
         (["--help"], HEAVY | SLOW),
-        (["--version"], HEAVY | SLOW),
-        (["stats", "--help"], HEAVY | SLOW),
         (["convert"], HEAVY | SLOW),
         (
             ["stats", "SHORT", "--json", "--jobs", "1"],
@@ -71,7 +72,6 @@ def test_without_matplotlib_it_is_said_how_to_install_it(tmp_path: Path) -> None
     ("words", "package"),
     [
         (("info", "s3://lab/walk.bag"), "upath"),
-        (("info", "@s3://lab/list.txt"), "upath"),
         (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed"),
         (("export", TROT, "--dataset", "walks"), "pyarrow"),
     ],
@@ -85,3 +85,48 @@ def test_what_an_extra_brings_is_asked_for(
     done = shell(*words)
     assert (done.code, done.out, shell.files()) == (1, "", [])
     assert done.err.endswith(f"not installed: {install_command('fleet')}\n")
+
+
+# --- What an extra brings -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("installer", ["-m pip install", "uv pip install"])
+def test_libraries_are_named(monkeypatch: pytest.MonkeyPatch, installer: str) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda _: installer.startswith("-m") or None)
+    command = extras.install_command("fleet")
+    assert installer in command
+    words = shlex.split(command)
+    assert sys.executable in words
+    assert words[-4:] == ["distributed", "fsspec", "pyarrow", "universal-pathlib"]
+
+
+def test_a_clone_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> None:
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr(extras, "requires", missing)
+    command = extras.install_command("plot")
+    assert command.endswith(f" -e {shlex.quote(f'{ROOT.resolve()}[plot]')}")
+
+
+# --- Memory ---------------------------------------------------------------------------------------
+
+
+LIMIT_MIB = 200
+"""Of which the columns of a minute take 25."""
+
+
+def run(*words: str | Path) -> str:
+    command = [sys.executable, *words]
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout  # noqa: S603
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="nothing tells the memory of all processes")
+@pytest.mark.parametrize(("suffix", "kind"), [("bag", "lz4"), ("mcap", "ros1")])
+def test_a_minute_takes_little_memory(tmp_path: Path, suffix: str, kind: str) -> None:
+    log = tmp_path / f"walk.{suffix}"
+    run("benchmarks/make_log.py", log, "60", kind)
+    words = ("convert", log, "-o", tmp_path / "out.mcap", "-q", "--jobs", "2")
+    tool = (sys.executable, "-m", "dogbot_logtool")
+    assert float(run("benchmarks/memory.py", *tool, *words)) < LIMIT_MIB

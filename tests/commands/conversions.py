@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, get_args
 
 import numpy as np
@@ -14,9 +15,10 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
+from tests.measured import measured, measured_contact
 from tests.oracles.annotated_file import Written, read_written
 from tests.oracles.conversion import Arrow, Load, Pose
-from tests.oracles.recorded import read_log
+from tests.oracles.recorded import BODY_WEIGHT_N, read_log
 from tests.paths import TROT, TROUBLED, WALK
 
 IN_WORLD = {TROT: False, WALK: True, TROUBLED: False}
@@ -26,10 +28,8 @@ COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
 
 MATRIX = [
     (TROUBLED, "classic", "foxglove"),
-    (TROUBLED, "pressure", "foxglove"),
     (TROUBLED, "pressure", "ros2"),
     (TROUBLED, "force", "ros1"),
-    (TROT, "classic", "ros1"),
     (WALK, "force", "foxglove"),
 ]
 
@@ -58,20 +58,24 @@ def assert_same_arrows(
         np.testing.assert_allclose(colours, wanted_colours, rtol=1e-5, atol=1e-5)
 
 
-def assert_same_loads(actual: list[Load], expected: list[Load], opening: int) -> None:
-    """Besides the expected rows there are only the first time's, and those of silences."""
-    times = {one.log_time for one in expected}
-    extra = [one for one in actual if one.log_time not in times]
-    assert all(one.log_time == opening or math.isnan(one.force) for one in extra)
-    actual = [one for one in actual if one.log_time in times]
-    assert [(one.log_time, one.stamp, one.in_contact) for one in actual] == [
-        (one.log_time, one.stamp, one.in_contact) for one in expected
-    ]
-    for name in ("force", "body_weights"):
-        told = [getattr(one, name) for one in actual]
-        wanted = [getattr(one, name) for one in expected]
-        # Forces are kept with 24 bits, and may be turned into the world.
-        np.testing.assert_allclose(told, wanted, rtol=3e-7, atol=1e-14)
+def assert_measured_loads(
+    actual: list[Load], log: Path, foot: str, span: tuple[int, int] | None = None
+) -> None:
+    """Besides those that were measured there are only the first time's, and those of silences."""
+    first, last = span or (opening_of(log), 1 << 63)
+    (track,) = (each.record.track for each in measured(log).walk.feet if each.name == foot)
+    contact = measured_contact(log, foot) or {}
+    force = dict(zip(track.log_time.tolist(), track.force.tolist(), strict=True))
+    force = {time: force[time] for time in sorted(force) if first <= time <= last}
+    extra = [one for one in actual if one.log_time not in force]
+    assert all(one.log_time == first or math.isnan(one.force) for one in extra)
+    actual = [one for one in actual if one.log_time in force]
+    told = [(one.log_time, one.in_contact) for one in actual]
+    assert told == [(time, contact.get(time, False)) for time in force]
+    newtons = np.array([*force.values()])
+    np.testing.assert_allclose([one.force for one in actual], newtons, rtol=1e-12)
+    weights = [one.body_weights for one in actual]
+    np.testing.assert_allclose(weights, newtons / BODY_WEIGHT_N, rtol=1e-12)
 
 
 @dataclass(frozen=True)
@@ -85,13 +89,14 @@ class Done:
 
 
 _DONE: dict[tuple[Path, str], Done] = {}
+_FOLDER = TemporaryDirectory(prefix="converted")
 
 
-def converted(folder: Path, log: Path, **options: Any) -> Done:
+def converted(log: Path, **options: Any) -> Done:
     """Convert a log, once for the same options."""
     key = (log, repr(sorted(options.items())))
     if key not in _DONE:
-        target = folder / f"{len(_DONE)}.mcap"
+        target = Path(_FOLDER.name) / f"{len(_DONE)}.mcap"
         conversion = convert(log, target, ConvertOptions(**options))
         _DONE[key] = Done(conversion, target)
     return _DONE[key]

@@ -77,13 +77,11 @@ def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
     assert written == {DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
 
 
-@pytest.mark.parametrize("kind", ["bag", "mcap"])
-def test_a_malformed_message_costs_one_message(tmp_path: Path, kind: str) -> None:
+def test_a_malformed_message_costs_one_message(tmp_path: Path) -> None:
     entries = list(small_walk())
     broken = next(i for i, e in enumerate(entries) if i > 200 and e.kind == CONTACTS_TYPE)
     entries[broken] = entries[broken]._replace(data=entries[broken].data[:-3])
-    write = write_bag if kind == "bag" else write_ros1_mcap
-    conversion, written = done(write(tmp_path / f"log.{kind}", entries))
+    conversion, written = done(write_bag(tmp_path / "log.bag", entries))
     assert conversion.damage.exit_code == 3
     assert conversion.copied == len(entries)
     assert conversion.annotations[load_topic("front_left")] == 249 + 1
@@ -125,8 +123,6 @@ def test_a_batch_of_which_nothing_can_be_decoded(
     ("times_ms", "end_ms", "unknown_ms"),
     [
         ([10, 20, 30, 200, 210], 215, [40]),
-        (range(0, 1000, 10), 1000, []),
-        ([0, 10, 20], 500, [30]),
         ([300, 310], 320, [0]),
         (range(0, 4000, 200), 4500, []),
         (range(0, 4000, 200), 6000, [4000]),

@@ -1,5 +1,6 @@
-"""Topics and transforms of a converted log beside those that are recorded."""
+"""Topics, transforms and events of a converted log."""
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,8 +8,12 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.conversion import annotated_log
 from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.commands.conversions import codes, converted
+from tests.measured import measured
 from tests.oracles.annotated_file import read_written
 from tests.oracles.recorded import (
     CONTACTS_TYPE,
@@ -35,8 +40,8 @@ from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED
 
 
-def test_own_tf_joins_the_log_s_where_type_and_encoding_are_the_same(folder: Path) -> None:
-    done = converted(folder, TROT, style="classic", encoding="ros1")
+def test_own_tf_joins_the_log_s_where_type_and_encoding_are_the_same() -> None:
+    done = converted(TROT, style="classic", encoding="ros1")
     recorded = sum(one.topic == "/tf" for one in read_log(TROT))
     joined = done.written.of("/tf", "ros1")
     assert done.written.topics["/tf"] == len(joined) == recorded + 401
@@ -78,10 +83,9 @@ def late(tmp_path: Path) -> Path:
     return write_bag(tmp_path / "log.bag", entries(), chunk_size=250_000, compression="lz4")
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_a_second_parent_that_comes_late_is_noticed(late: Path, jobs: int) -> None:
+def test_a_second_parent_that_comes_late_is_noticed(late: Path) -> None:
     target = late.with_suffix(".mcap")
-    conversion = convert(late, target, ConvertOptions(jobs=jobs))
+    conversion = convert(late, target, ConvertOptions(jobs=2))
     assert not [topic for topic in conversion.annotations if topic.endswith("/tf")]
     assert read_written(target).encodings("/tf") == {"ros1"}
     (finding,) = [f for f in conversion.findings if f.code == "TF_NOT_WRITTEN"]
@@ -102,6 +106,98 @@ def test_a_parent_that_is_not_copied_is_no_second_one(
     assert "TF_NOT_WRITTEN" not in codes(conversion)
 
 
-def test_tf_never_writes_none(folder: Path) -> None:
-    done = converted(folder, TROUBLED, tf="never", copy=False)
+def test_tf_never_writes_none() -> None:
+    done = converted(TROUBLED, tf="never", copy=False)
     assert "/tf" not in done.conversion.annotations
+
+
+# --- Events and gaits -----------------------------------------------------------------------------
+
+
+STEPS = {"touchdown", "lift_off"}
+
+
+def messages_of(log: Path, encoding: str, topic: str) -> list[tuple[int, Any]]:
+    return converted(log, copy=False, encoding=encoding).written.decoded(topic)
+
+
+def troubled_events() -> list[dict[str, Any]]:
+    """What `stats` says, with log times: the stamps of this log are zero."""
+    origin, found = measured(TROUBLED).walk.origin, stats_json(measured(TROUBLED))["events"]
+    return [{**each, "log_time": origin + round(each["onset_s"] * 1e9)} for each in found]
+
+
+def log_line(event: dict[str, Any]) -> str:
+    """What a log panel shows behind the source: each fact once."""
+    parts = [event["type"].replace("_", " ")]
+    if event["value"] is not None:
+        parts.append(f"{event['value']:.3g} {event['unit']}")
+    if event["duration_s"] and event["unit"] != "s":
+        parts.append(f"for {event['duration_s']:.3f} s")
+    return ", ".join([*parts, *filter(None, [event["code"]])])
+
+
+@pytest.mark.parametrize(
+    ("encoding", "text", "warning"),
+    [("foxglove", "message", 3), ("ros1", "msg", 4), ("ros2", "msg", 30)],
+)
+def test_every_event_is_a_log_message_at_its_log_time(
+    encoding: str, text: str, warning: int
+) -> None:
+    found = messages_of(TROUBLED, encoding, "/events")
+    for (log_time, message), event in zip(found, troubled_events(), strict=True):
+        assert log_time == event["log_time"]
+        assert getattr(message, text) == log_line(event)
+        assert message.name == (event["foot"] or "robot")
+        assert (message.level >= warning) is (event["type"] not in STEPS)
+
+
+def test_onsets_on_stamps_are_written_at_log_times() -> None:
+    track = measured(TROT).walk.feet[0].record.track
+    recorded = dict(zip(track.time.tolist(), track.log_time.tolist(), strict=True))
+    found = [
+        (message.timestamp.ToNanoseconds(), log_time)
+        for log_time, message in messages_of(TROT, "foxglove", "/events")
+    ]
+    at_samples = [each for each in found if each[0] in recorded]
+    assert len(at_samples) > 20
+    assert set(at_samples) <= recorded.items()
+    assert all(0 < log_time - stamp < 5e6 for stamp, log_time in found)
+
+
+@pytest.mark.parametrize("encoding", ["foxglove", "ros1", "ros2"])
+def test_the_gait_is_written_where_it_changes_and_ends(encoding: str) -> None:
+    (_, begins), (_, ends) = messages_of(TROT, encoding, "/gait")
+    assert begins.gait == "trot"
+    assert begins.duty_factor == pytest.approx(0.714, abs=0.01)
+    assert begins.stride_frequency_hz == pytest.approx(1.0 / 1.142, abs=0.01)
+    assert list(begins.phases) == pytest.approx([0.0, 0.5, 0.5, 0.0], abs=0.02)
+    assert ends.gait == "unknown"
+    assert ends.duty_factor != ends.duty_factor
+
+
+def test_events_are_spans_where_the_schemas_have_them() -> None:
+    pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
+    found = messages_of(TROUBLED, "foxglove", "/events/spans")
+    odd = [each for each in troubled_events() if each["type"] not in STEPS]
+    for (log_time, message), event in zip(found, odd, strict=True):
+        start, end = (each.ToNanoseconds() for each in (message.start_time, message.end_time))
+        assert log_time == start == event["log_time"]
+        assert (end - start) / 1e9 == pytest.approx(event["duration_s"], abs=1e-8)
+        details = {each.key: each.value for each in message.metadata}
+        assert details["type"] == event["type"]
+        assert details.get("foot") == event["foot"]
+        value = float("nan") if event["value"] is None else event["value"]
+        assert float(details.get("value", "nan")) == pytest.approx(value, nan_ok=True)
+
+
+def test_without_spans_in_the_schemas_the_rest_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "foxglove_schemas_protobuf.Event_pb2", None)
+    # Made with those schemas, not the one that other conversions share.
+    monkeypatch.setattr(annotated_log, "encoding_named", lambda _: FoxgloveEncoding())
+    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False, jobs=1))
+    topics = read_written(tmp_path / "out.mcap").topics
+    assert "/events/spans" not in topics
+    assert topics["/events"]

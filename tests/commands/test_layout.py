@@ -13,13 +13,13 @@ from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.layout import view_of
-from dogbot_logtool.core.scene.foot_style import FOOT_COLOURS
+from dogbot_logtool.core.scene.feet import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config
 from tests.oracles.ros1_logs import write_standing_log
-from tests.paths import TROT, TROUBLED, WALK
+from tests.paths import TROUBLED, WALK
 
 FEET = ("front_left", "front_right", "back_left", "back_right")
 
@@ -61,6 +61,7 @@ def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
     # Lines for legs are written only where no transforms move them.
     assert set(scene["topics"]) == drawn | {"/legs"}
     assert frames == {(scene["layers"]["grid"]["frameId"], scene["followTf"])}
+    assert [path["color"] for path in plots(layout)] == list(FOOT_COLOURS[: len(FEET)])
     for shown in (plots(layout), panel(layout, "StateTransitions")["paths"]):
         paths = [path["value"] for path in shown]
         assert len(paths) == len(FEET)
@@ -77,19 +78,6 @@ def test_the_camera_stands_before_the_robot(axis: str, side: tuple[int, int]) ->
     yaw = rviz_config(View(FEET, "world", "base", axis))["Visualization Manager"]["Views"]
     angle = yaw["Current"]["Yaw"]
     assert 0.2 < cos(angle) * side[0] + sin(angle) * side[1] < 0.5
-
-
-def test_loads_and_gait() -> None:
-    layout = foxglove_layout(View(FEET, "world", "base_link"))
-    curves, gait = plots(layout), panel(layout, "StateTransitions")
-    assert [path["value"] for path in curves] == [f"/load/{foot}.force" for foot in FEET]
-    assert [path["value"] for path in gait["paths"]] == [f"/load/{f}.state" for f in FEET]
-    for path in (*curves, *gait["paths"]):
-        assert path["timestampMethod"] == "receiveTime"
-        assert path["enabled"] is True
-    assert [path["label"] for path in gait["paths"]] == list(FEET)
-    assert [path["color"] for path in curves] == list(FOOT_COLOURS[: len(FEET)])
-    assert panel(layout, "RosOut")["topicToRender"] == "/events"
 
 
 def test_rviz_shows_what_is_written() -> None:
@@ -126,10 +114,7 @@ def test_without_a_log_the_feet_are_the_robot_s() -> None:
         foxglove_layout_of(None, MeasureOptions(robot="unicorn"))
 
 
-@pytest.mark.parametrize(
-    ("log", "heading_rad"),
-    [(TROT, 0.4), (WALK, -0.9), (TROUBLED, 0.4)],
-)
+@pytest.mark.parametrize(("log", "heading_rad"), [(WALK, -0.9), (TROUBLED, 0.4)])
 def test_the_sample_logs_have_the_dogbot_s_layout(log: Path, heading_rad: float) -> None:
     """It is 0.46 m high, and its feet stand 0.4 to 0.6 m apart from front to back."""
     view = view_of(log, MeasureOptions())

@@ -117,9 +117,3 @@ def test_planned_contacts_beside_the_counts(tmp_path: Path) -> None:
     walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
     for foot in figures(tmp_path / "walk.mcap")["feet"].values():
         assert foot["planned"]["delay_s"]["median"] == pytest.approx(0.04, abs=1e-6)
-
-
-def test_a_log_without_a_plan_has_none(tmp_path: Path) -> None:
-    path = tmp_path / "walk.mcap"
-    walks.write_mcap(path, StateWalk(2), list(StateWalk(2).messages(GRF)))
-    assert {str(foot["planned"]) for foot in figures(path)["feet"].values()} == {"None"}

@@ -105,22 +105,6 @@ def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_pat
     )
 
 
-def test_the_troubled_log_is_told_as_it_is() -> None:
-    got = figures("dogbot_troubled.bag")
-    known = truth("dogbot_troubled.bag")["damage"]
-    said = {each["code"]: each for each in got["findings"]}
-
-    assert got["settings"]["clock"] == "log"
-    assert said["DEAD"]["where"] == f"feet.{known['dead_foot']}"
-    assert "GAPS" in said
-    topic = got["quality"]["topics"][known["silence"]["topic"]]
-    assert topic["gaps"] == 1
-    assert topic["gaps_total_s"] == pytest.approx(known["silence"]["duration_s"], abs=0.05)
-    silent = got["quality"]["feet"]["front_right"]["discarded_strides"]
-    assert sum(silent.values()) > 0
-    assert got["gait"]["name"] is None
-
-
 def test_the_json_is_what_the_schema_says() -> None:
     Draft202012Validator.check_schema(schema(WalkMetrics))
     validator = Draft202012Validator(schema(WalkMetrics))

@@ -6,7 +6,6 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
-from mcap.writer import Writer
 
 import dogbot_logtool as dl
 from tests.comparison.recordings import JSON, recording
@@ -22,15 +21,10 @@ def run(*words: object, timeout: float = 120.0) -> Ended:
 
 
 def write_log(path: Path, *payloads: str, topics: tuple[str, ...] = ("/a",)) -> Path:
-    with path.open("wb") as file:
-        writer = Writer(file)
-        writer.start("", "a test")
-        for topic in topics:
-            channel = writer.register_channel(topic, "json", 0)
-            for time, payload in enumerate(payloads):
-                writer.add_message(channel, time, payload.encode(), time)
-        writer.finish()
-    return path
+    messages = (
+        (topic, time, each.encode()) for topic in topics for time, each in enumerate(payloads)
+    )
+    return recording(dict.fromkeys(topics, JSON), *messages).write(path)
 
 
 @pytest.fixture

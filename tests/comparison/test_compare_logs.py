@@ -19,11 +19,10 @@ from dogbot_logtool.options.compare import CompareOptions
 from tests.comparison.recordings import (
     JSON,
     RAW,
-    SCENE,
     START,
+    UNINDEXED,
     WITH_NUMBER,
     Message,
-    Packing,
     Pair,
     Recording,
     counts,
@@ -32,23 +31,22 @@ from tests.comparison.recordings import (
     one_topic,
     recording,
     ros_kind,
-    scene,
     tally,
 )
 
-PACKINGS = [
-    Packing(CompressionType.NONE, 300),
-    Packing(CompressionType.LZ4, 5000),
-    Packing(CompressionType.ZSTD, 100_000, indexes=IndexType.NONE),
-    Packing(CompressionType.LZ4, 700, summary=False),
-    Packing(chunked=False),
+PACKINGS: list[dict[str, Any]] = [
+    {"compression": CompressionType.NONE, "chunk_size": 300},
+    {"compression": CompressionType.LZ4, "chunk_size": 5000},
+    {"index_types": IndexType.NONE, "chunk_size": 100_000},
+    {"compression": CompressionType.LZ4, "chunk_size": 700, **UNINDEXED},
+    {"use_chunking": False},
 ]
 
 
 @pytest.mark.parametrize("packing", PACKINGS, ids=str)
-def test_packing_does_not_matter(pair: Pair, packing: Packing) -> None:
+def test_packing_does_not_matter(pair: Pair, packing: dict[str, Any]) -> None:
     mixed().write(pair.expected)
-    mixed().write(pair.actual, packing)
+    mixed().write(pair.actual, **packing)
     result = pair.compare()
     assert (result.exit_code, result.difference_count, result.damage) == (0, 0, [])
     assert result.verdict == "same: 5 topics, 250 messages"
@@ -89,12 +87,6 @@ def ros(*messages: bytes) -> Recording:
     return one_topic(ros_kind(1), *messages)
 
 
-def scenes(last: int, z: float) -> Recording:
-    early = (("/s", time, scene()) for time in range(9))
-    return recording({"/s": SCENE}, *early, ("/s", last, scene(z)))
-
-
-Z = "entities[0].arrows[0].pose.position.z"
 ODD_NAN = struct.unpack("<d", struct.pack("<Q", 0xFFF8000000000123))[0]
 FIVE = [(time, "1") for time in range(5)]
 THREE = json_log((0, '{"x": 1, "h": {"s": 1}}'), topics="/a /b /c")
@@ -254,7 +246,7 @@ def test_all_differences_are_counted_and_the_first_are_kept(pair: Pair) -> None:
 
 def test_damage_is_reported_and_the_rest_compared(pair: Pair, tmp_path: Path) -> None:
     whole = one_topic(RAW, *(bytes([i]) * 1000 for i in range(200)))
-    whole.write(pair.expected, Packing(CompressionType.NONE, 20_000))
+    whole.write(pair.expected, compression=CompressionType.NONE, chunk_size=20_000)
     data = bytearray(pair.expected.read_bytes())
     place = data.index(bytes([150]) * 1000)
     # The records of one chunk no longer fit together from here on.
@@ -291,7 +283,7 @@ def test_counts_agree_with_a_naive_pairing(pair: Pair, seed: int) -> None:
 
     sides = [messages(), messages()]
     for path, side in zip((pair.expected, pair.actual), sides, strict=True):
-        recording(kinds, *side).write(path, Packing(chunk_size=chance.choice([50, 5000])))
+        recording(kinds, *side).write(path, chunk_size=chance.choice([50, 5000]))
     result = pair.compare(CompareOptions(max_differences=1000))
 
     one, other = map(by_place, sides)
@@ -329,9 +321,9 @@ def test_memory_does_not_grow_with_the_file(pair: Pair, *, indexed: bool) -> Non
     times = [0, START, 2**61, 2**63 - 2, 2**63 - 1]
     messages = [Message("/a", times[n // 80], data) for n, data in enumerate(payloads)]
     whole = Recording({"/a": RAW}, shuffled(messages))
-    whole.write(pair.expected, Packing(chunk_size=300_000, summary=indexed))
+    whole.write(pair.expected, chunk_size=300_000, **({} if indexed else UNINDEXED))
     messages[399] = replace(messages[399], data=payloads[399] + b"x")
-    replace(whole, messages=messages).write(pair.actual, Packing(CompressionType.LZ4, 300_000))
+    replace(whole, messages=messages).write(pair.actual, chunk_size=300_000)
     tracemalloc.start()
     result = pair.compare()
     _, peak = tracemalloc.get_traced_memory()

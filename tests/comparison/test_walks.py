@@ -1,19 +1,27 @@
 """Runs with known differences: which are found, and what keeps runs from being compared."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.comparison.walks import (
     MetricDifference,
+    compare_walks,
     doubts,
     metric_differences,
     why_not_comparable,
 )
 from dogbot_logtool.core.arrays import Floats
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import SOUND
 from dogbot_logtool.results import Figures, StrideTable
+from tests.truth import sensor_faults
+from tests.truth.log_file import write_log
+from tests.truth.recording import disturbed
+from tests.truth.walking import Walk as TrueWalk
 
 STEP_S = 0.002
 
@@ -135,3 +143,19 @@ def test_checks_that_failed_are_doubts() -> None:
     bad = log()
     bad["quality"]["checks"].append({"name": "one clock", "outcome": "failed"})
     assert list(doubts([log(), bad])) == ["a.bag: one clock does not hold"]
+
+
+def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
+    faults = (sensor_faults.as_force_sensors, sensor_faults.noise(1.0))
+    log = write_log(
+        disturbed(TrueWalk(seconds=20.0).recorded(200.0, 100.0), *faults), tmp_path / "log.mcap"
+    )
+    halves = [
+        figures(log, options=MeasureOptions(mass=20.0, start=start, end=end))
+        for start, end in ((0.0, 10.0), (10.0, 20.0))
+    ]
+    found = compare_walks(*([half] for half in halves))
+
+    assert found.reasons == ()
+    assert found.differing == ()
+    assert len(found.differences) > 20

@@ -27,13 +27,8 @@ def classify(
 @pytest.mark.parametrize(
     ("phases", "name", "sequence"),
     [
-        ((0.0, 0.0, 0.0, 0.0), "pronk", None),
-        ((0.0, 0.5, 0.5, 0.0), "trot", None),
         ((0.0, 0.55, 0.48, 0.95), "trot", None),
-        ((0.0, 0.5, 0.0, 0.5), "pace", None),
         ((0.0, 0.0, 0.4, 0.4), "bound", None),
-        ((0.0, 0.5, 0.75, 0.25), "walk", "lateral"),
-        ((0.0, 0.5, 0.25, 0.75), "walk", "diagonal"),
         ((0.0, 0.5, 0.83, 0.33), "walk", "lateral"),
         ((0.0, 0.5, 0.63, 0.13), "walk", "lateral"),
         ((0.0, 0.5, 0.59, 0.09), "trot", None),
@@ -41,15 +36,13 @@ def classify(
         ((0.0, 0.12, 0.48, 0.6), "gallop", "transverse"),
         ((0.0, 0.18, 0.6, 0.78), "gallop", "transverse"),
         ((0.0, 0.18, 0.78, 0.6), "gallop", "rotary"),
-        ((0.45, 0.6, 0.0, 0.0), "half-bound", None),
-        ((0.6, 0.3, 0.3, 0.0), "canter", None),
         ((0.0, 0.5, 0.35, 0.0), "irregular", None),
         ((0.0, 0.3, 0.0, 0.3), "irregular", None),
         # Both fore feet before both hind feet: no pair is evenly spaced, so it is no walk.
         ((0.0, 0.25, 0.5, 0.75), "gallop", "transverse"),
     ],
 )
-def test_textbook_gaits(phases: tuple[float, ...], name: str, sequence: str | None) -> None:
+def test_bounds_of_classes(phases: tuple[float, ...], name: str, sequence: str | None) -> None:
     gait = classify(phases, SURE)
     assert (gait.name, gait.sequence) == (name, sequence)
 
@@ -59,10 +52,6 @@ def test_an_amble_has_no_flight() -> None:
     assert classify(single_foot, SURE, 0.4, 0.0).name == "amble"
     gait = classify(single_foot, SURE, 0.2, 0.2)
     assert (gait.name, gait.nearest_name) == ("irregular", "amble")
-
-
-def test_gaits_of_other_robots_have_no_name() -> None:
-    assert classify((0.0, 0.5, 0.25), SURE).name is None
 
 
 def test_loose_phases_are_irregular_but_the_nearest_class_is_named() -> None:
@@ -79,7 +68,6 @@ def test_four_positions_make_a_quadruped_in_any_order() -> None:
     assert quadruped(corners) == (2, 1, 0, 3)
     assert legs_in_order(corners) == (2, 1, 0, 3)
     assert quadruped([*corners[:3], None]) is None
-    assert quadruped([*corners, ("middle", "left")]) is None
 
 
 def test_two_and_six_feet_have_an_order_too() -> None:
@@ -98,13 +86,6 @@ def test_four_feet_are_corners_in_any_order() -> None:
 
 def test_two_feet_are_sides_even_where_both_lie_on_one_side_of_the_base() -> None:
     assert leg_names(np.array([[0.1, -0.4, 0], [-0.1, -0.1, 0]])) == ("right", "left")
-
-
-def test_six_feet_have_a_middle_pair() -> None:
-    points = [[x, y, 0] for x in (0.3, 0.0, -0.3) for y in (0.2, -0.2)]
-    ends = ("front", "middle", "back")
-    expected = tuple(f"{end}_{side}" for end in ends for side in ("left", "right"))
-    assert leg_names(np.array(points)) == expected
 
 
 @pytest.mark.parametrize("points", [np.zeros((0, 3)), np.zeros((4, 3)), np.ones((3, 3))])

@@ -11,7 +11,7 @@ SQUARE = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 
 @pytest.mark.parametrize(
     ("body", "margin"),
-    [((0.75, 0.0), 0.25), ((1.0, 0.0), 0.0), ((1.5, 0.0), -0.5), ((2.0, 2.0), -np.sqrt(2.0))],
+    [((0.75, 0.0), 0.25), ((1.5, 0.0), -0.5), ((2.0, 2.0), -np.sqrt(2.0))],
 )
 def test_margin_in_a_square(body: tuple[float, float], margin: float) -> None:
     assert margin_in(hulls(SQUARE[None]), np.array([body]))[0] == pytest.approx(margin)

@@ -22,14 +22,11 @@ TROT, TROUBLED = (
 CUT = "cut.bag"
 
 RESULTS = {
-    "help": ("stats --help", 0),
     "version": ("--version", 0),
     "text": (f"info {TROUBLED}", 0),
     "damaged": (f"info {CUT} {CUT} --json", 3),
     "csv": (f"export {TROUBLED}", 0),
     "different": (f"compare {TROT} {TROUBLED}", 1),
-    "layout": ("layout", 0),
-    "robot": ("robots dogbot", 0),
 }
 """Calls that print results, and their exit codes."""
 
@@ -84,27 +81,22 @@ def test_a_reader_that_stops_early_changes_nothing(folder: Path, words: str, cod
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("unbuffered", ["", "1"])
-def test_a_difference_is_seen_through_a_pipe(folder: Path, unbuffered: str) -> None:
+def test_a_difference_is_seen_through_a_pipe(folder: Path) -> None:
     """Much is printed, so that the reader has gone long before the end."""
     call = f"logtool compare {TROT} {TROUBLED} --max-differences 9999"
     line = f"{call} | grep -q different; exit ${{PIPESTATUS[0]}}"
-    assert shell(folder, line, PYTHONUNBUFFERED=unbuffered) == (1, "", "")
+    assert shell(folder, line, PYTHONUNBUFFERED="1") == (1, "", "")
 
 
-@pytest.mark.parametrize(
-    ("kind", "why"), [("closed", "it is closed"), ("full", "No space left on device")]
-)
 @each_result
-def test_results_that_cannot_be_written_are_an_error(
-    folder: Path, words: str, code: int, kind: str, why: str
-) -> None:
-    del code
-    with unwritable(kind) as stream:
-        done = run(*words.split(), folder=folder, stdout=stream)
-    assert done.returncode == 1
-    assert done.stderr.splitlines()[-1] == f"error: stdout cannot be written: {why}"
-    assert "Traceback" not in done.stderr
+def test_results_that_cannot_be_written_are_an_error(folder: Path, words: str, code: int) -> None:
+    assert code >= 0
+    for kind, why in (("closed", "it is closed"), ("full", "No space left on device")):
+        with unwritable(kind) as stream:
+            done = run(*words.split(), folder=folder, stdout=stream)
+        assert done.returncode == 1
+        assert done.stderr.splitlines()[-1] == f"error: stdout cannot be written: {why}"
+        assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -141,21 +133,9 @@ def test_an_unwritable_stderr_changes_nothing(folder: Path) -> None:
         assert shell(folder, f"logtool {words} 2>&-") == (code, usual.stdout, "")
 
 
-@pytest.mark.parametrize(
-    ("streams", "logs", "unbuffered"),
-    [
-        (">&- 2>&-", f"{TROUBLED}", "1"),
-        (">&- 2>&-", f"{TROUBLED} {TROT} --json", ""),
-        ("<&- >&- 2>&-", f"{TROUBLED} {TROT} --json", "1"),
-        (">/dev/full 2>&1", f"{TROUBLED}", ""),
-    ],
-    ids=["both", "both, several", "all", "full"],
-)
-def test_all_streams_may_be_unwritable(
-    folder: Path, streams: str, logs: str, unbuffered: str
-) -> None:
-    done = shell(folder, f"logtool stats {logs} {streams}", PYTHONUNBUFFERED=unbuffered)
-    assert done == (1, "", "")
+@pytest.mark.parametrize("streams", ["<&- >&- 2>&-", ">/dev/full 2>&1"])
+def test_all_streams_may_be_unwritable(folder: Path, streams: str) -> None:
+    assert shell(folder, f"logtool stats {TROUBLED} {TROT} --json {streams}") == (1, "", "")
 
 
 def test_what_prints_no_result_needs_no_stdout(folder: Path) -> None:
@@ -176,7 +156,6 @@ def test_a_wrong_call_stays_one(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("encoding", "words"),
     [
-        ("ascii", "stats *-*.bag"),
         ("ascii", "export *-*.bag"),
         ("latin-1", "info --frames *-*.bag"),
     ],

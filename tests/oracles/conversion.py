@@ -6,9 +6,7 @@ from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -109,13 +107,9 @@ def scaled(vector: Iterable[float], by: float) -> tuple[float, float, float]:
     return x * by, y * by, z * by
 
 
-def header_stamp(decoded: Decoded) -> int:
-    stamp = decoded.message.header.stamp
-    return int(stamp.sec) * S + int(stamp.nanosec)
-
-
 def stamp_of(decoded: Decoded) -> int:
-    return header_stamp(decoded) or decoded.log_time
+    stamp = decoded.message.header.stamp
+    return int(stamp.sec) * S + int(stamp.nanosec) or decoded.log_time
 
 
 def step_of(state: Any) -> int:
@@ -256,48 +250,6 @@ def expected_arrows(
     if style == "classic" or contact is None:
         return found
     return [a if contact.get(a.log_time, True) else Arrow(a.log_time, a.stamp) for a in found]
-
-
-def left_within(messages: Sequence[Decoded]) -> set[int]:
-    """Return the log times of messages whose newest physics step is older than it usually is.
-
-    The foot has left the ground within the steps that the message adds up.
-    """
-    steps = {
-        one.log_time: sorted({step_of(state) for state in one.message.states}) for one in messages
-    }
-    between = [b - a for each in steps.values() for a, b in pairwise(each)]
-    lags = {
-        one.log_time: header_stamp(one) - steps[one.log_time][-1]
-        for one in messages
-        if steps[one.log_time]
-    }
-    if not between or not lags:
-        return set()
-    usual, half_a_step = median(lags.values()), median(between) / 2
-    regular = [abs(lag - usual) < half_a_step for lag in lags.values()]
-    if sum(regular) < 0.75 * len(regular):
-        return set()
-    return {time for time, lag in lags.items() if lag > usual + half_a_step}
-
-
-def expected_loads(path: Path, foot: str, contact: Mapping[int, bool] | None = None) -> list[Load]:
-    loads: list[Load] = []
-    messages = decoded_log(path).get(contact_topic(foot), ())
-    gone = left_within(messages)
-    for one in messages:
-        sample = sample_of(one.message, foot)
-        force = 0.0 if one.log_time in gone else norm(sample.force)
-        loads.append(
-            Load(
-                one.log_time,
-                stamp_of(one),
-                (contact or {}).get(one.log_time, sample.in_contact),
-                force,
-                force / BODY_WEIGHT_N,
-            )
-        )
-    return sorted(loads, key=lambda load: load.log_time)
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,7 +75,7 @@ _TOPIC: Final = "/crawler/strut_{}/tip_load"
 _READING: Final = "odd_msgs/msg/Reading"
 
 
-def _write(path: Path, samples: Samples) -> Path:
+def write(path: Path, samples: Samples) -> Path:
     """Write what is sent at each time."""
     walk, entries = odd_walk(), []
     for sample in range(round(DURATION_S * RATE_HZ)):
@@ -103,7 +103,7 @@ def six_feet(
             warm = {"value": 40.0 + foot + time_s * RATE_HZ * 1e-3}
             yield f"/crawler/strut_{foot + 1}/motor_temp", _READING, warm
 
-    return _write(path, samples)
+    return write(path, samples)
 
 
 def six_feet_in_two(folder: Path) -> tuple[Path, Path]:
@@ -119,7 +119,7 @@ def four_cells_a_foot(path: Path) -> Path:
         loads = {side: load_n(time_s, foot) / 4.0 for foot, side in enumerate("lr")}
         yield "/fsr", "odd_msgs/msg/Soles", {cell: loads[cell[0]] for cell in CELLS}
 
-    return _write(path, samples)
+    return write(path, samples)
 
 
 def wrenches(path: Path, topic: str) -> None:
@@ -129,7 +129,7 @@ def wrenches(path: Path, topic: str) -> None:
         forces = [[(0, 0, load_n(time_s, foot))] for foot in range(4)]
         yield topic, "odd_msgs/msg/Tips", {"name": list("abcd"), "wrench": forces}
 
-    _write(path, samples)
+    write(path, samples)
 
 
 def switches(path: Path, legs: int) -> None:
@@ -140,7 +140,7 @@ def switches(path: Path, legs: int) -> None:
             down = {"data": is_down(time_s, leg)}
             yield f"/leg_{leg + 1}/foot_contact", "std_msgs/msg/Bool", down
 
-    _write(path, samples)
+    write(path, samples)
 
 
 def load_cell(path: Path, rows: int) -> Path:
@@ -153,4 +153,4 @@ def load_cell(path: Path, rows: int) -> Path:
         fields = {"rows": rows, "cols": 6, "data": data.astype(np.float32)}
         yield "/load_cell", "odd_msgs/msg/LoadCell", fields
 
-    return _write(path, samples)
+    return write(path, samples)

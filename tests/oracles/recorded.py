@@ -1,14 +1,18 @@
-"""Messages of logs as the containers' own libraries and rosbags read them."""
+"""Messages of logs as the containers' own libraries and rosbags read them, to be written anew."""
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from mcap.reader import make_reader
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from tests.oracles.mcap_file import Entry
+from tests.oracles.walks import Walk
 
 FEET = ("front_left", "front_right", "back_left", "back_right")
 ODOMETRY = "/dogbot/odom"
@@ -106,3 +110,31 @@ def decoded_log(path: Path) -> dict[str, list[Decoded]]:
             if topic in {ODOMETRY, *map(contact_topic, FEET)}:
                 messages.sort(key=lambda one: one.message.header.seq)
     return dict(topics)
+
+
+BLOCK: Final = 97
+"""Messages that change places with as many others where a file is out of order."""
+
+
+@cache
+def unpacked(bag: Path, ros: int) -> tuple[Walk, list[Entry]]:
+    """Return the messages as those of a version of ROS, and what has their types."""
+    walk, entries = Walk(ros), []
+    walk.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+    known: set[str] = set()
+    for each in read_log(bag):
+        if each.type_name not in known:
+            known.add(each.type_name)
+            types = get_types_from_msg(each.definition, each.type_name)
+            walk.store.register({k: v for k, v in types.items() if k not in walk.store.fielddefs})
+        data = each.data if ros == 1 else walk.store.ros1_to_cdr(each.data, each.type_name)
+        entries.append(Entry(each.topic, each.type_name, each.log_time, bytes(data)))
+    return walk, entries
+
+
+def out_of_order(entries: Sequence[Entry]) -> list[Entry]:
+    """Return the same messages as a recorder of several threads may write them."""
+    blocks = [entries[first : first + BLOCK] for first in range(0, len(entries), BLOCK)]
+    for first in range(0, len(blocks) - 1, 2):
+        blocks[first : first + 2] = blocks[first + 1], blocks[first]
+    return [entry for block in blocks for entry in block]

@@ -1,9 +1,7 @@
 """Small logs: MCAP files of ROS 1 messages, byte by byte, and the beginnings of bags."""
 
 import os
-import struct
 import tempfile
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -14,15 +12,6 @@ from rosbags.rosbag1 import Writer as BagWriter
 from tests.oracles.recorded import ODOMETRY_TYPE, TEXT_TYPE, S
 from tests.oracles.ros1_logs import odometry, write_ros1_mcap
 from tests.oracles.walks import Entry
-
-
-def string_log(path: Path, messages: Sequence[tuple[str, bytes]]) -> Path:
-    """Write an MCAP of std_msgs/String messages, one channel a topic."""
-    entries = [
-        Entry(topic, TEXT_TYPE, S + number, struct.pack("<I", len(data)) + data)
-        for number, (topic, data) in enumerate(messages)
-    ]
-    return write_ros1_mcap(path, entries, compression=CompressionType.NONE)
 
 
 def odometry_log(path: Path, topic: str, *, filler: int = 0, cut: int = 0) -> Path:

@@ -17,7 +17,7 @@ from dogbot_logtool.commands.plot import draw_figure
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.gait_figure import FORMATS, gait_figure, write_figure
+from dogbot_logtool.report.gait_figure import gait_figure, write_figure
 from dogbot_logtool.report.text.gait_diagram import default_window
 from tests.measured import measured
 from tests.oracles import walks
@@ -125,7 +125,7 @@ def test_text_is_text() -> None:
         assert "body" in " ".join(found)
 
 
-@pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.parametrize("form", ["svg", "pdf"])
 def test_the_same_bytes_whatever_the_user_has_set_up(form: str) -> None:
     first = drawn(WALK, form)
     with mpl.rc_context({"lines.linewidth": 9.0, "font.size": 20.0, "svg.fonttype": "path"}):

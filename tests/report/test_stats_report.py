@@ -1,10 +1,13 @@
-"""What `stats` says, as text and as JSON, of logs that are whole and of others."""
+"""What `stats` says, as text and as JSON; and text on terminals of any width."""
 
 import io
 import json
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Final
 
+import pyte
 import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
@@ -19,7 +22,10 @@ from dogbot_logtool.report.text.gait_diagram import ASCII, gait_diagram
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row
 from dogbot_logtool.results import Measurement
+from tests import forked_cli
+from tests.forked_cli import run
 from tests.measured import LogFacts, measured, measurement_of
+from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, TROUBLED, WALK
 
 FEET: Final = ("front_left", "front_right", "back_left", "back_right")
@@ -181,3 +187,77 @@ def test_a_walk_shorter_than_the_log_is_shown_by_its_longest_segment() -> None:
     text = text_of(Measurement(walk), 100)
     assert "Gait: trot, trot\n" in text
     assert "Longest segment: 3.5 to " in text
+
+
+# --- Terminals ------------------------------------------------------------------------------------
+
+
+LONG = "a_log_with_a_name_that_is_longer_than_any_column_of_a_table_in_a_terminal.bag"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["info", "TROUBLED"],
+        ["info", "--frames", LONG],
+        ["convert", "-v", LONG, "-o", f"x_{LONG}.mcap"],
+        ["compare", "TROT", "TROUBLED"],
+        ["stats", LONG, "TROUBLED", "--jobs", "1"],
+        ["stats", LONG, "-v"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_no_command_breaks_a_word(tmp_path: Path, words: list[str]) -> None:
+    (tmp_path / LONG).write_bytes(first_seconds(TROT).read_bytes()[:-1000])
+    logs = {"TROT": first_seconds(TROT), "TROUBLED": first_seconds(TROUBLED)}
+    call = [logs.get(word, word) for word in words]
+
+    def output(columns: int) -> list[str]:
+        for file in tmp_path.glob("x_*"):
+            file.unlink()
+        size = {"COLUMNS": str(columns)}
+        done = run(*call, folder=tmp_path, environment=size, stderr=subprocess.STDOUT)
+        return done.stdout.splitlines()
+
+    lines = output(80)
+    narrow = {word for line in lines for word in line.split()}
+    wide = {word for line in output(400) for word in line.split() if word.isprintable()}
+    moved = {"type", "sent"}  # headings of columns that have no room
+    assert [word for word in wide - narrow - moved if len(word) > 3 and word.isascii()] == []
+    assert [line for line in lines if len(line) > 80 and len(line.split()) > 1] == []
+
+
+def test_a_damaged_log_is_marked_among_several(tmp_path: Path) -> None:
+    (tmp_path / LONG).write_bytes(first_seconds(TROT).read_bytes()[:-200_000])
+    done = run("stats", first_seconds(TROT), LONG, "--jobs", 1, folder=tmp_path)
+    assert done.returncode == 3
+    table = done.stdout[done.stdout.index("log ") :]
+    heading, _, whole, *cut = table.splitlines()
+    assert heading.split()[-2:] == ["quality", "worst"]
+    assert {"OK", "USABLE", "DOUBTFUL"} & set(whole.split())
+    assert "DAMAGED" in " ".join(cut)
+
+
+# --- On a terminal --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("logs", [[TROT], [TROT, TROUBLED]], ids=["one", "several"])
+@pytest.mark.parametrize("command", ["convert", "stats"])
+def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
+    tmp_path: Path, command: str, logs: list[Path]
+) -> None:
+    output = {"convert": ["-o", "./", "--overwrite"]}.get(command, [])
+    # What several processes do is shown by any command alike.
+    jobs = ["--jobs", "1"] if len(logs) > 1 and command != "stats" else []
+    words = [command, *map(str, map(first_seconds, logs)), *output, *jobs]
+    size = {"COLUMNS": "160", "LINES": "200", "TERM": "xterm"}
+    done = forked_cli.run(*words, folder=tmp_path, environment=size, stderr=subprocess.STDOUT)
+    code, shown = forked_cli.run_on_terminal(*words, folder=tmp_path, environment=size)
+    assert (done.returncode, code) == (0, 0)
+
+    screen = pyte.Screen(160, 200)
+    pyte.Stream(screen).feed(shown.decode())
+    assert b"\x1b[2K" in shown, "no progress was shown"
+    assert [line.rstrip() for line in screen.display if line.strip()] == [
+        line.rstrip() for line in done.stdout.splitlines() if line.strip()
+    ]

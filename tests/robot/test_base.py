@@ -6,11 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 from tests.oracles import base_walks as base
 from tests.oracles import walks
@@ -33,10 +31,6 @@ def check(got: dict[str, Any], rel: float = 1e-9) -> None:
     assert motion["forward_speed_mps"] == pytest.approx(base.SPEED, rel=1e-3)
     assert motion["roll_rad"]["mean"] == pytest.approx(base.ROLL, rel=max(rel, 1e-6))
     assert motion["pitch_rad"]["mean"] == pytest.approx(base.PITCH, rel=max(rel, 1e-6))
-
-
-def codes(found: Any) -> set[str]:
-    return {finding.code for finding in found.findings}
 
 
 @pytest.mark.parametrize("kind", base.TOPICS)
@@ -81,13 +75,3 @@ def test_a_wrong_element_lists_what_there_is(
     log = base.write(tmp_path / "walk.mcap", kind, "/x")
     with pytest.raises(CallError, match=said):
         figures(log, f"/x:{element}")
-
-
-def test_recorded_transforms_are_not_written_again(tmp_path: Path) -> None:
-    path = base.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
-    copied = convert(path, tmp_path / "a.mcap", ConvertOptions())
-    assert "/tf" not in copied.annotations
-    assert "TF_NOT_WRITTEN" in codes(copied)
-    assert (copied.world_frame, copied.base_frame) == ("odom", "base_link")
-    alone = convert(path, tmp_path / "b.mcap", ConvertOptions(copy=False))
-    assert alone.annotations["/tf"] > 0

@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,10 @@ import numpy as np
 import pytest
 
 from tests import forked_cli
-from tests.oracles import walks
 from tests.oracles.field_logs import (
     CELLS,
     DUTY,
     PERIOD_S,
-    START_NS,
     WEIGHT_N,
     four_cells_a_foot,
     is_down,
@@ -22,10 +21,13 @@ from tests.oracles.field_logs import (
     odd_walk,
     six_feet,
     six_feet_in_two,
+    write,
 )
 from tests.paths import ROOT
 
 STATE = "odd_msgs/msg/State"
+Samples = Iterator[tuple[str, str, dict[str, Any]]]
+"""Topics, types and fields of the messages at a time."""
 
 
 def command(printed: str) -> list[str]:
@@ -90,9 +92,10 @@ def test_six_feet_on_unusual_topics_take_two_commands(
 @pytest.fixture(scope="module")
 def states(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One message of all feet: arrays of messages, of numbers, and wrenches."""
-    path, walk, entries = tmp_path_factory.mktemp("states") / "states.mcap", odd_walk(), []
-    for sample in range(1200):
-        loads = [load_n(sample / 100, foot) for foot in range(6)]
+    walk = odd_walk()
+
+    def samples(time_s: float) -> Samples:
+        loads = [load_n(time_s, foot) for foot in range(6)]
         legs = [
             {
                 "name": "x" * foot,
@@ -102,19 +105,17 @@ def states(tmp_path_factory: pytest.TempPathFactory) -> Path:
             }
             for foot, load in enumerate(loads)
         ]
-        message = walk.make(
-            STATE,
-            header=walk.header(sample, "world"),
-            legs=legs,
-            loads=loads[:4],
-            flags=[load > 0 for load in loads],
-            left=walk.wrench((0, 0, loads[0])),
-            right=walk.wrench((0, 0, loads[1])),
-        )
-        time, data = walks.START + sample * 10_000_000, walk.bytes_of(STATE, message)
-        entries.append(walks.Entry("/state", STATE, time, data))
-    walks.write_mcap(path, walk, entries)
-    return path
+        fields = {
+            "header": walk.header(round(time_s * 100), "world"),
+            "legs": legs,
+            "loads": loads[:4],
+            "flags": [load > 0 for load in loads],
+            "left": walk.wrench((0, 0, loads[0])),
+            "right": walk.wrench((0, 0, loads[1])),
+        }
+        yield "/state", STATE, fields
+
+    return write(tmp_path_factory.mktemp("states") / "states.mcap", samples)
 
 
 def loads_of(path: Path, *keys: str, feet: int = 6) -> dict[str, Any]:
@@ -202,15 +203,13 @@ def inside(kind: str, time_s: float, loads: list[float]) -> dict[str, Any]:
 
 def walk_in(kind: str, path: Path, unloaded: float = 0.0) -> Path:
     """Write a trot in messages of a kind; what a foot reads without load may not be zero."""
-    walk, entries = odd_walk(), []
-    for sample in range(1200):
-        time_s, time = sample / 100.0, START_NS + sample * 10_000_000
+
+    def samples(time_s: float) -> Samples:
         down = {leg: is_down(time_s, turn) for leg, turn in TURNS.items()}
         loads = [unloaded + WEIGHT_N / sum(down.values()) * down[leg] for leg in LEGS]
-        message = walk.make(kind, **inside(kind, time_s, loads))
-        entries.append(walks.Entry(INSIDE[kind][0], kind, time, walk.bytes_of(kind, message)))
-    walks.write_mcap(path, walk, entries)
-    return path
+        yield INSIDE[kind][0], kind, inside(kind, time_s, loads)
+
+    return write(path, samples)
 
 
 @pytest.mark.parametrize("kind", INSIDE)

@@ -90,15 +90,6 @@ def test_what_all_names_share_changes_nothing(
     assert told(chosen) == {leg: longer(topic) for leg, topic in row["feet"].items()}
 
 
-@given(name=st.sampled_from(sorted(UNSURE)), order=st.randoms(use_true_random=False))
-def test_the_order_of_topics_changes_nothing(name: str, order: Random) -> None:
-    shuffled = topics(UNSURE[name])
-    order.shuffle(shuffled)
-    only = UNSURE[name]["contacts_only"]
-    expected = name_feet(topics(UNSURE[name]), contacts_only=only)
-    assert name_feet(shuffled, contacts_only=only) == expected
-
-
 @given(st.lists(st.text(max_size=20), max_size=8), st.booleans())
 def test_any_names_will_do(names: list[str], contacts_only: bool) -> None:  # noqa: FBT001
     chosen, offered = name_feet(names, contacts_only=contacts_only)

@@ -1,6 +1,7 @@
 """What is said of topics that cannot be decoded, and which definitions stand in for the log's."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -9,65 +10,54 @@ from mcap.writer import Writer as McapWriter
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Severity
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot.offers import nothing_to_do
-from dogbot_logtool.robot.selection import select_topics
+from dogbot_logtool.robot.selection import Selection, select_topics
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
 Channel = tuple[str, str, bytes, str]
 """Topic, type, definition and encoding."""
 
 
-class Opener:
-    """Writes logs that have channels and no messages, and opens them."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self.logs: list[Log] = []
-
-    def __call__(self, channels: Sequence[Channel], schema_encoding: str = "ros1msg") -> Log:
-        with self._path.open("wb") as stream:
-            writer = McapWriter(stream)
-            writer.start()
-            for topic, type_name, text, encoding in channels:
-                schema = writer.register_schema(type_name, schema_encoding, text)
-                writer.register_channel(topic, encoding, schema)
-            writer.finish()
-        self.logs.append(open_log(self._path))
-        return self.logs[-1]
-
-
-@pytest.fixture
-def opened(tmp_path: Path) -> Iterator[Opener]:
-    opener = Opener(tmp_path / "log.mcap")
-    yield opener
-    for log in opener.logs:
-        log.close()
+def selected(
+    folder: Path,
+    channels: Sequence[Channel],
+    options: MeasureOptions | None = None,
+    schema_encoding: str = "ros1msg",
+) -> tuple[Selection, str]:
+    """Return what is used of a log that has channels and no messages, and what is said of it."""
+    with (folder / "log.mcap").open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start()
+        for topic, type_name, text, encoding in channels:
+            schema = writer.register_schema(type_name, schema_encoding, text)
+            writer.register_channel(topic, encoding, schema)
+        writer.finish()
+    with closing(open_log(folder / "log.mcap")) as log:
+        selection = select_topics(log, options or MeasureOptions())
+        return selection, nothing_to_do(log, selection.findings)
 
 
-def test_topics_of_one_reason_are_told_together(opened: Opener) -> None:
+def test_topics_of_one_reason_are_told_together(tmp_path: Path) -> None:
     topics = [f"/robot_{number:02}/odom" for number in range(14)]
     found: list[Channel] = [(topic, ODOMETRY, b"{}", "json") for topic in topics]
-    selection = select_topics(opened(found), MeasureOptions())
+    selection, _ = selected(tmp_path, found)
     (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
     assert finding.code == "UNREADABLE"
     assert "/robot_09/odom and 4 more: messages encoded as 'json' are not read" in finding.text
 
 
-def test_a_log_of_another_encoding_says_so_once(opened: Opener) -> None:
+def test_a_log_of_another_encoding_says_so_once(tmp_path: Path) -> None:
     found: list[Channel] = [(f"/{n}", "demo.Thing", b"", "flatbuffer") for n in range(300)]
-    log = opened(found)
-    selection = select_topics(log, MeasureOptions())
+    selection, text = selected(tmp_path, found)
     (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
     assert finding.text.startswith("300 of 300 topics are encoded as flatbuffer; only ROS 1")
-    assert nothing_to_do(log, selection.findings).endswith(finding.text)
+    assert text.endswith(finding.text)
 
 
-def test_of_many_topics_the_likely_ones_are_named(opened: Opener) -> None:
+def test_of_many_topics_the_likely_ones_are_named(tmp_path: Path) -> None:
     found: list[Channel] = [(f"/a{n:03}", "demo/Thing", b"bool x", "cdr") for n in range(650)]
-    log = opened([*found, ("/my_odom", "demo/Pose", b"bool x", "cdr")])
-    text = nothing_to_do(log, select_topics(log, MeasureOptions()).findings)
+    _, text = selected(tmp_path, [*found, ("/my_odom", "demo/Pose", b"bool x", "cdr")])
     assert len(text) < 1000
     assert text.splitlines()[1] == "  /my_odom  demo/Pose"
     assert "and 641 more; `dogbot-logtool info" in text
@@ -76,13 +66,13 @@ def test_of_many_topics_the_likely_ones_are_named(opened: Opener) -> None:
 @pytest.mark.parametrize(
     "options", [MeasureOptions(odom_topic="/odom"), MeasureOptions(foot={"a": "/foot"})]
 )
-def test_options_that_name_what_cannot_be_decoded(opened: Opener, options: MeasureOptions) -> None:
+def test_options_that_name_what_cannot_be_decoded(tmp_path: Path, options: MeasureOptions) -> None:
     found: list[Channel] = [
         ("/odom", ODOMETRY, b"{}", "json"),
         ("/foot", CONTACTS, b"{}", "json"),
     ]
     with pytest.raises(LogError, match="cannot be read: messages encoded as 'json'"):
-        select_topics(opened(found), options)
+        selected(tmp_path, found, options)
 
 
 @pytest.mark.parametrize("encoding", ["ros1", "cdr"])
@@ -99,11 +89,11 @@ def test_options_that_name_what_cannot_be_decoded(opened: Opener, options: Measu
     ],
 )
 def test_known_types_need_no_definition(
-    opened: Opener, encoding: str, schema_encoding: str, text: bytes
+    tmp_path: Path, encoding: str, schema_encoding: str, text: bytes
 ) -> None:
     topics = {"/odom": ODOMETRY, "/left": CONTACTS, "/right": CONTACTS, "/tf": TF}
     found: list[Channel] = [(topic, kind, text, encoding) for topic, kind in topics.items()]
-    selection = select_topics(opened(found, schema_encoding), MeasureOptions(robot="generic"))
+    selection, _ = selected(tmp_path, found, MeasureOptions(robot="generic"), schema_encoding)
     assert [channel.topic for channel in selection.odometry] == ["/odom"]
     assert [channel.topic for channel in selection.contacts] == ["/left", "/right"]
     assert [channel.topic for channel in selection.transforms] == ["/tf"]
@@ -114,12 +104,12 @@ def test_known_types_need_no_definition(
     assert sum("/left, /right: " in each for each in own) == 1
 
 
-def test_feet_of_another_encoding_are_named_beside_a_base_that_is_read(opened: Opener) -> None:
+def test_feet_of_another_encoding_are_named_beside_a_base_that_is_read(tmp_path: Path) -> None:
     found: list[Channel] = [
         ("/robot/pose", "foxglove.PoseInFrame", b"{}", "json"),
         ("/feet", "my.Feet", b"{}", "json"),
     ]
-    selection = select_topics(opened(found, "jsonschema"), MeasureOptions())
+    selection, _ = selected(tmp_path, found, schema_encoding="jsonschema")
     assert selection.base_name == "/robot/pose"
     (finding,) = [f for f in selection.findings if f.code == "UNREADABLE"]
     assert finding.text.startswith("1 of 2 topics is encoded as json; only ROS 1")

@@ -77,26 +77,6 @@ def test_known_robots_load_under_their_own_name_and_can_be_copied(
         assert elements == {"front_right": 0, "front_left": 1, "back_right": 2, "back_left": 3}
 
 
-def test_the_generic_robot_and_an_empty_file_assume_nothing(tmp_path: Path) -> None:
-    generic, file = load_robot("generic"), tmp_path / "mine.toml"
-    assert (generic.feet, generic.topics, generic.mass_kg, generic.base_frame) == (
-        (),
-        frozenset(),
-        None,
-        None,
-    )
-    file.write_text("", encoding="utf-8")
-    assert load_robot(str(file)) == Robot("mine")
-
-
-@pytest.mark.parametrize("name", ["dogcat", "", "DogBot", "dogbot.tom"])
-def test_an_unknown_robot_is_named_and_the_known_ones_are_listed(name: str) -> None:
-    for ask in (load_robot, robot_toml):
-        with pytest.raises(CallError, match="dogbot, generic") as caught:
-            ask(name)
-        assert repr(name) in str(caught.value)
-
-
 @pytest.mark.parametrize("content", [None, b"\xff\xfe", b"name = '\x80'"])
 def test_a_file_that_is_none_or_no_text_is_named(tmp_path: Path, content: bytes | None) -> None:
     file = tmp_path / "binary.toml"

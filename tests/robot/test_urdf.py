@@ -1,14 +1,10 @@
-"""URDFs as robots' files: joints, base links, legs among arms and wheels, masses; primitives."""
+"""URDFs as robots' files: joints, base links, legs among arms and wheels, masses."""
 
 from collections.abc import Sequence
-from xml.etree import ElementTree as ET
 
 import pytest
 
-from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
-from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
-from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton
 from dogbot_logtool.robot.robot_model.urdf import read_robot
 
 Joint = tuple[str, str, str, str, str]
@@ -100,14 +96,6 @@ def test_a_biped_with_a_waist_and_toes() -> None:
         joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
     legs, _ = find_legs(read_robot(urdf(joints, ["torso"])), {})
     assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
-
-
-def test_joints_that_follow_others_are_moved_by_them() -> None:
-    joint = '<joint name="FL_calf_joint" type="revolute">'
-    follows = joint + '<mimic joint="FL_thigh_joint" multiplier="-2"/>'
-    text = urdf(quadruped("trunk")).replace(joint, follows)
-    (first, *_), _ = find_legs(read_robot(text), {})
-    assert first.measured == ("FL_hip_joint", "FL_thigh_joint")
 
 
 def without_feet(shape: str) -> str:
@@ -217,20 +205,3 @@ def test_circles_and_second_parents_are_left_out() -> None:
     robot = read_robot(f"<robot>{text}</robot>")
     assert [joint.name for joint in robot.joints] == ["base a", "a b", "b f"]
     assert robot.left_out == 4
-
-
-@pytest.mark.parametrize(
-    ("axis", "x", "y"), [("+x", 1, 0), ("-x", -1, 0), ("+y", 0, 1), ("-y", 0, -1)]
-)
-def test_the_nose_is_at_the_front(axis: str, x: int, y: int) -> None:
-    shape = RobotShape(axis, {}, 0.5, 0.5)
-    text = primitive_urdf(Robot("r & <co>", mass_kg=12.0), Skeleton("base", {}, {}), shape)
-    robot = ET.fromstring(text)  # noqa: S314
-    body, nose = robot.findall("link/visual")
-    place = [float(number) for number in nose.find("origin").get("xyz").split()]  # type: ignore[union-attr]
-    size = [float(number) for number in body.find("geometry/box").get("size").split()]  # type: ignore[union-attr]
-    reach = place[0] * x + place[1] * y
-    assert reach > max(size) / 2.0
-    assert place[0] * y == place[1] * x == place[2] == 0.0
-    # A body is longest along its forward axis.
-    assert size[0 if x else 1] == max(size)

@@ -125,21 +125,6 @@ def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
     assert got["stability"] is None or got["stability"].get("static_margin_m") is None
 
 
-@pytest.mark.parametrize("style", ["pressure", "force"])
-def test_transforms_that_cannot_be_decoded_are_told(
-    tmp_path: Path, style: Literal["pressure", "force"]
-) -> None:
-    """Here places come from frames, so that /tf is read whatever the style."""
-    made = Swinging(tmp_path, WRENCHES)
-    for broken in (7, len(made.frames) // 2):
-        made.frames[broken] = made.frames[broken]._replace(data=made.frames[broken].data[:-2])
-    done = made.converted(style)
-    measured = measure(made.log, MeasureOptions(robot=str(made.robot)))
-    for (loss,) in (done.damage.losses, measured.damage.losses):
-        assert loss.messages == 2
-        assert "/tf" in loss.what
-
-
 def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: Path) -> None:
     made = Swinging(tmp_path, COUNTS)
     text = made.robot.read_text(encoding="utf-8")

@@ -84,10 +84,8 @@ ODD_NAMES = {os.fsdecode(b"\xff.bag"): b"", " spaced.bag ": b"", "@at.bag": b"",
         ),
         ({}, ["**/*.bag"], ["b.bag", "run/walk.bag"]),
         ({}, ["b.bag", "./b.bag", "run/../b.bag"], ["b.bag"]),
-        ({"link.bag": "b.bag"}, ["b.bag", "link.bag"], ["b.bag"]),
         # Lists
         ({"l": b"# mine\n\nb.bag\n  run \n"}, ["@l", "a.mcap"], ["b.bag", *ALL[3:6], "a.mcap"]),
-        ({"l": b"a.annotated.mcap\n"}, ["@l"], ["a.annotated.mcap"]),
         (
             # A byte-order mark, Windows' line ends, and separators that only Unicode knows.
             {"l": "\ufeffb.bag\r\n# mine\r\nodd\u2028name.bag\r\n".encode()},
@@ -112,7 +110,6 @@ ODD_NAMES = {os.fsdecode(b"\xff.bag"): b"", " spaced.bag ": b"", "@at.bag": b"",
             ["g*.bag", "l*.bag", "gone*.bag"],
             ["gone*.bag", "loop.bag"],
         ),
-        ({"gone.bag": "nowhere"}, ["."], sorted([*ALL, "gone.bag"])),
         ({"empty/notes": b""}, ["e*", "ru*"], ALL[3:6]),
     ],
 )
@@ -128,10 +125,8 @@ def test_words_name_logs_each_once_in_their_order(
     [
         ({"l": b"\xff\xfeb\0.\0"}, "@l", "not even text"),
         ({}, "@absent.txt", r"^@absent.txt: no such file"),
-        ({}, "@" + "x" * 5000, "cannot be opened: File name too long"),
         ({"l": b"b.bag\n\n  @other\n"}, "@l", r"@l, line 3: @other: .*cannot name another"),
         ({"l": b"b.bag\n*.nothing\n"}, "@l", r"@l, line 2: \*\.nothing: no file"),
-        ({}, "@run", "not a regular file"),
         ({}, "@/dev/zero", "not a regular file"),
         ({"empty/notes": b""}, "e*", "there are no logs"),
     ],
@@ -202,11 +197,7 @@ def test_an_object_may_have_the_name_of_a_pattern(tmp_path: Path) -> None:
     [
         ("s3://[", "s3://[: is no valid URL (Invalid IPv6 URL)"),
         ("http://me:secret@[::1/x.bag?key=secret", "http://[::1/x.bag: is no valid URL"),
-        ("file://[", "is no valid URL"),
         ("http://127.0.0.1:99999/x.bag", "is no valid URL (Port out of range"),
-        ("http://127.0.0.1:port/x.bag", "is no valid URL"),
-        ("s3://", "s3://: names no host, bucket or file"),
-        ("file://", "names no host, bucket or file"),
         ("s3://?x", "names no host, bucket or file"),
     ],
 )
@@ -262,14 +253,7 @@ def test_a_directory_that_cannot_be_read_does_not_stop_the_search(unreadable: Pa
     assert [each["log"]["path"] for each in results if "log" in each] == ["walk.bag"]
 
 
-def test_a_call_without_any_readable_directory_fails(unreadable: Path) -> None:
-    deep = next(unreadable.glob("dd*"))
-    done = called("info", deep.name, cwd=unreadable)
-    assert done.returncode == 1
-    assert "cannot be searched" in done.stderr
-
-
-@pytest.mark.parametrize("words", [("info",), ("stats",), ("convert",), ("compare", "other.bag")])
+@pytest.mark.parametrize("words", [("stats",), ("compare", "other.bag")])
 def test_json_names_files_in_utf_8(tmp_path: Path, words: tuple[str, ...]) -> None:
     name = os.fsdecode(b"\xff.bag")
     shutil.copy(TROUBLED, tmp_path / name)

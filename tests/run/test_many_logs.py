@@ -122,28 +122,6 @@ def test_figures_are_those_of_a_serial_run_whatever_fails(
     assert sum(request["failed"] for request in lab.store.requests) > LOGS / FAIL_EVERY
 
 
-def test_a_second_run_does_what_has_changed(lab: Lab, tmp_path: Path) -> None:
-    """One log gives way to another."""
-    export = ("export", f"s3://{BUCKET}/logs", "--dataset", lab.figures)
-    lab.store.run(*export, folder=tmp_path)  # does nothing after the test above
-    name = next(iter(lab.logs))
-    other = next(path for path in lab.logs.values() if path != lab.logs[name])
-    before = {row["path"]: row["log"] for row in lab.table("logs")}
-    lab.store.client.pipe_file(f"{BUCKET}/logs/{name}", other.read_bytes())
-    asked = len(lab.store.requests)
-
-    done = lab.store.run(*export, folder=tmp_path)
-
-    assert f"{LOGS - 1} logs are there already, unchanged" in done.err
-    assert done.code == 3
-    rows = lab.table("logs")
-    after = {row["path"]: row["log"] for row in rows}
-    assert {log for log in after if after[log] != before[log]} == {f"s3://{BUCKET}/logs/{name}"}
-    assert len(after) == len(rows) == LOGS
-    read = {request["path"] for request in lab.store.requests[asked:] if request["range"]}
-    assert read == {f"/{BUCKET}/logs/{name}"}
-
-
 def test_figures_are_kept_in_a_store_alike(lab: Lab, tmp_path: Path) -> None:
     url = f"s3://{BUCKET}/figures"
     words = ["export", f"s3://{BUCKET}/logs/day1/walk00*.mcap", "--dataset", url, "--jobs", 1]

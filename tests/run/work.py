@@ -12,7 +12,6 @@ from dogbot_logtool.run.runner import OnProgress
 
 class Progress:
     def __init__(self) -> None:
-        self.sentences: list[str] = []
         self.done: list[int] = []
         self.lost_items: list[int] = []
 
@@ -24,9 +23,6 @@ class Progress:
 
     def lost(self, number: int) -> None:
         self.lost_items.append(number)
-
-    def say(self, sentence: str) -> None:
-        self.sentences.append(sentence)
 
 
 def work(item: tuple[str, Path], progress: OnProgress | None) -> Any:

@@ -71,7 +71,22 @@ def treadmill(recording: Recording) -> Recording:
 
 def without(*feet: str) -> Disturbance:
     """Let feet have no sensor."""
-    return lambda recording: replace(recording, unrecorded=tuple(feet))
+
+    def change(recording: Recording) -> Recording:
+        robot, truth = recording.robot, recording.truth
+        rows = [row for row, name in enumerate(robot.feet) if name not in feet]
+        return replace(
+            recording,
+            feet=tuple(recording.feet[row] for row in rows),
+            robot=replace(
+                robot,
+                feet=tuple(robot.feet[row] for row in rows),
+                corners_m=tuple(robot.corners_m[row] for row in rows),
+            ),
+            truth=replace(truth, feet=tuple(truth.feet[row] for row in rows)),
+        )
+
+    return change
 
 
 def several(*names: str, share_frames: bool = False, reach_m: float = 0.1) -> Disturbance:
@@ -115,5 +130,11 @@ def several(*names: str, share_frames: bool = False, reach_m: float = 0.1) -> Di
 
 
 def fore_feet_feel_forces(recording: Recording) -> Recording:
-    """Let the fore feet have force sensors, and the hind feet bumpers."""
-    return replace(recording, kinds=("wrench", "wrench", "contacts", "contacts"))
+    """Let the fore feet have force sensors, the hind feet bumpers, and the user name them all."""
+    robot = recording.robot
+    topics = {name: robot.topic(row) for row, name in enumerate(robot.feet)}
+    return replace(
+        recording,
+        kinds=("wrench", "wrench", "contacts", "contacts"),
+        given={**recording.given, "foot": topics},
+    )

@@ -1,18 +1,17 @@
 """Is a result right, or null with its cause named? Every figure against the truth."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 
-from tests.truth.outcome import Outcome, matched
+from tests.truth.outcome import Outcome, nearest
 from tests.truth.recording import Disturbance, Floats, Recording, Truth, disturbed
 from tests.truth.walking import Walk
 
-Status = Literal["right", "null", "wrong", "unexplained", "missing"]
-"""``null``: with a finding that names the cause; ``unexplained``: null without one; ``missing``:
-the JSON has no such figure."""
+Status = Literal["right", "null", "wrong", "unexplained"]
+"""``null``: with a finding that names the cause; ``unexplained``: null without one."""
 EDGE_S: Final = 0.15
 """Events this near to an end of the log are not judged."""
 
@@ -88,6 +87,8 @@ class Case:
     tolerance: Tolerance = field(default_factory=Tolerance)
     skip: str = ""
     """Figures that are not judged, with commas: the truth of them is not known."""
+    known: str = ""
+    """Figures that must not be null, whatever is found, with commas."""
     rate_hz: float = 200.0
     classes: tuple[str | None, ...] | None = None
     """Classes that are right; None: the truth's only."""
@@ -157,7 +158,6 @@ STRUCTURAL: Final = {
 
 def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     """Judge all figures of a case."""
-    recording = _measured_feet(recording, found)
     judged = [*_gait(case, recording.truth, found), *_verdict(case, recording.truth, found)]
     judged += _odd_events(case, recording.truth, found)
     walks = recording.truth.feet[0].stride_period_s is not None
@@ -167,24 +167,15 @@ def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     return judged + [each for each in _unknown(judged, found) if each.figure not in case.skipped]
 
 
-def _measured_feet(recording: Recording, found: Outcome) -> Recording:
-    """Return a recording of those feet only of which the result knows."""
-    robot, truth = recording.robot, recording.truth
-    rows = [row for row, name in enumerate(robot.feet) if name in found.json["feet"]]
-    if not rows or len(rows) == len(robot.feet):
-        return recording
-    names = tuple(robot.feet[row] for row in rows)
-    feet = tuple(truth.feet[row] for row in rows)
-    return replace(recording, robot=replace(robot, feet=names), truth=replace(truth, feet=feet))
-
-
 def faults(judged: Sequence[Judged]) -> list[Judged]:
-    """Return what is neither right nor null with a cause; a figure that there is not, is not it."""
+    """Return what is neither right nor null with a cause."""
     return [each for each in judged if each.status in {"wrong", "unexplained"}]
 
 
 def _excused(case: Case, figure: str, found: Outcome) -> Status:
     """Judge that a figure is null."""
+    if figure in case.known.split(", "):
+        return "unexplained"
     patterns = [case.excuse, STRUCTURAL.get(figure, "")]
     named = any(pattern and (found.says(pattern) or found.lacks(pattern)) for pattern in patterns)
     return "null" if named else "unexplained"
@@ -332,10 +323,7 @@ def _numbers(
     within: float,
 ) -> Judged:
     """Judge one figure, of each foot or of the log."""
-    try:
-        values = [found.figure(key) for key in keys]
-    except KeyError as missing:
-        return Judged(name, _joined(wanted), "", "missing", str(missing))
+    values = [found.figure(key) for key in keys]
     known = [
         (value, true)
         for value, true in zip(values, wanted, strict=True)
@@ -366,19 +354,22 @@ def _phases(case: Case, recording: Recording, found: Outcome) -> Judged:
 
 
 def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
-    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "lift_off_s")):
+    for name, key, of_truth in (
+        ("touchdowns", "touchdown_s", "touchdown_s"),
+        ("lift-offs", "lift_off_s", "liftoff_s"),
+    ):
         missed = invented = silent_feet = 0
         errors: list[float] = []
         for foot, truth in zip(recording.robot.feet, recording.truth.feet, strict=True):
             reported = np.array(found.figure(f"feet.{foot}.{key}") or [])
-            true = np.array(truth.touchdown_s if key == "touchdown_s" else truth.liftoff_s)
             if not len(reported) and found.figure(f"feet.{foot}.contact_fraction") is None:
                 silent_feet += 1
                 continue
-            compared = match_events(true, reported, recording.seconds, case)
-            missed += compared.missed
-            invented += compared.invented
-            errors += compared.errors_s
+            true = np.array(getattr(truth, of_truth))
+            late, extra = match_events(true, reported, recording.seconds, case)
+            errors += [each for each in late if each is not None]
+            missed += late.count(None)
+            invented += extra
         worst = max(map(abs, errors), default=0.0)
         none_at_all = not errors and not invented
         right = not invented and worst <= case.tolerance.event_s
@@ -387,29 +378,19 @@ def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged
         status = _right(none_at_all or (right and (not missed or bool(few))))
         if status == "right" and (missed or silent_feet):
             status = _excused(case, name, found)
-        spread = f"{np.mean(errors) * 1e3:+.0f} ± {np.std(errors) * 1e3:.0f} ms" if errors else ""
-        counts = (missed, "missed"), (invented, "invented"), (silent_feet, "feet without any")
-        also = [f"{count} {word}" for count, word in counts if count]
-        result = ", ".join([spread, *also] if spread else also)
+        result = f"{len(errors)}, at most {worst:.3f} s off; {missed} missed, {invented} invented"
         yield Judged(name, "all", result, status)
 
 
-@dataclass(frozen=True, slots=True)
-class Matched:
-    """Events of one foot against the truth."""
+def match_events(
+    true: Floats, reported: Floats, seconds: float, case: Case
+) -> tuple[list[float | None], int]:
+    """Return how late each true event is reported, and how many are that are not true.
 
-    errors_s: list[float]
-    missed: int
-    invented: int
-
-
-def match_events(true: Floats, reported: Floats, seconds: float, case: Case) -> Matched:
-    """Match each event with the nearest, not further than twice the tolerance."""
+    None: it is not, within twice the tolerance.
+    """
     if case.shifted and len(true) and len(reported):
-        nearest = np.abs(reported[:, None] - true).argmin(axis=1)
-        shifts = reported - true[nearest]
-        reported = reported - np.median(shifts)
-
+        reported = reported - np.median(reported - nearest(true, reported))
     gap = case.silence_s or (0.0, 0.0)
 
     def inside(times: Floats) -> Floats:
@@ -417,12 +398,10 @@ def match_events(true: Floats, reported: Floats, seconds: float, case: Case) -> 
         return np.asarray(times[(times > EDGE_S) & (times < seconds - EDGE_S) & ~silent])
 
     reach = 2.0 * case.tolerance.event_s
-    expected = inside(true)
-    errors = matched(expected, reported, reach)
-    extra = [
-        each for each in inside(reported) if not len(true) or np.abs(true - each).min() > reach
-    ]
-    return Matched(errors, len(expected) - len(errors), len(extra))
+    expected, told = inside(true), inside(reported)
+    late = nearest(reported, expected) - expected
+    extra = np.abs(nearest(true, told) - told) > reach
+    return [each if abs(each) <= reach else None for each in late.tolist()], int(extra.sum())
 
 
 def _right(is_right: bool) -> Status:  # noqa: FBT001 - a word for it

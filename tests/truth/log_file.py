@@ -37,9 +37,12 @@ def write_log(recording: Recording, path: Path) -> Path:
 
 def _entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
     yield from _base_entries(recording, messages)
-    for foot, name in enumerate(recording.robot.feet):
-        if name not in recording.unrecorded:
-            yield from _foot_entries(recording, messages, foot)
+    if recording.kind in {"spot", "flags"}:
+        yield from _state_entries(recording, messages)
+    else:
+        for foot in range(len(recording.feet)):
+            for sensor in recording.sensors_of(foot):
+                yield from _SENSORS[recording.kind_of(foot)](recording, messages, sensor)
     if recording.has_tf:
         yield from _transform_entries(recording, messages)
     if recording.statics:
@@ -59,16 +62,6 @@ def _base_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
 def _rows(log_time: Ints, topic: str, kind: str, data: Sequence[bytes]) -> Iterator[Entry]:
     for time, each in zip(log_time.tolist(), data, strict=True):
         yield Entry(topic, kind, time, each)
-
-
-def _foot_entries(recording: Recording, messages: Messages, foot: int) -> Iterator[Entry]:
-    kind = recording.kind_of(foot)
-    if kind in _ALL_FEET:
-        # One message tells of all feet: it comes with the first.
-        yield from _ALL_FEET[kind](recording, messages) if foot == 0 else ()
-        return
-    for sensor in recording.sensors_of(foot):
-        yield from _SENSORS[kind](recording, messages, sensor)
 
 
 def _force_entries(_: Recording, messages: Messages, of: Sensor) -> Iterator[Entry]:
@@ -123,24 +116,19 @@ def _vector_entries(topic: VectorRecording, messages: Messages) -> Iterator[Entr
     yield from _rows(topic.log_time, topic.topic, name, data)
 
 
-def _spot_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
-    """Tell contact, as 1 or 2, and place of all feet."""
-    first = recording.feet[0]
-    numbers = np.concatenate(recording.places, axis=1)
+def _state_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
+    """Tell contact of all feet in one message, and perhaps their places."""
+    first, feet = recording.feet[0], len(recording.feet)
     touching = np.stack([each.touching for each in recording.feet], axis=1)
-    data = messages.spot(len(recording.feet)).all_filled(first.stamp, numbers)
-    filled = messages.with_contacts(data, len(recording.feet), touching)
-    yield from _rows(first.log_time, "/status/feet", SPOT, filled)
-
-
-def _flag_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:
-    """Tell contact of all feet."""
-    first = recording.feet[0]
-    touching = np.stack([each.touching for each in recording.feet], axis=1)
-    feet = len(recording.feet)
-    data = messages.flags(feet).all_filled(first.stamp, np.empty((len(first.stamp), 0)))
-    filled = [each[:-feet] + bytes(row) for each, row in zip(data, touching.tolist(), strict=True)]
-    yield from _rows(first.log_time, "/foot_contacts", FLAGS, filled)
+    if recording.kind == "spot":
+        # Contact is 1 where it is made, 2 where it is lost.
+        numbers, flags = np.concatenate(recording.places, axis=1), np.where(touching, 1, 2)
+        data = messages.spot(feet).all_filled(first.stamp, numbers, flags)
+        yield from _rows(first.log_time, "/status/feet", SPOT, data)
+    else:
+        nothing = np.empty((len(first.stamp), 0))
+        data = messages.contacts(feet).all_filled(first.stamp, nothing, touching.astype(np.int64))
+        yield from _rows(first.log_time, "/foot_contacts", FLAGS, data)
 
 
 _SENSORS: Final = {
@@ -148,7 +136,6 @@ _SENSORS: Final = {
     "gz_contacts": _gz_entries,
     "wrench": _force_entries,
 }
-_ALL_FEET: Final = {"spot": _spot_entries, "flags": _flag_entries}
 
 
 def _transform_entries(recording: Recording, messages: Messages) -> Iterator[Entry]:

@@ -9,7 +9,7 @@ import numpy as np
 from rosbags.typesys import get_types_from_msg
 
 from tests.oracles.walks import Walk
-from tests.truth.recording import Flags, Floats, Ints
+from tests.truth.recording import Floats, Ints
 
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
 WRENCH: Final = "geometry_msgs/msg/WrenchStamped"
@@ -26,8 +26,6 @@ JOINT_STATE: Final = "sensor_msgs/msg/JointState"
 STRING: Final = "std_msgs/msg/String"
 FOOT_STATES: Final = "std_msgs/Header header\nspot_msgs/FootState[] states"
 """As a fork has it: with a header."""
-MARK: Final = 0xE0
-"""Stands for the contact of the first foot, until it is set."""
 _STAMP: Final = (0x5A5A5A5A, 0x3B3B3B3B)
 """s and ns of a stamp that is to be filled."""
 _FIRST: Final = 1.0e200
@@ -41,14 +39,16 @@ class Template:
         self._data = data
         stamp = struct.pack("<iI", *_STAMP)
         self._stamps = [at for at in range(len(data)) if data.startswith(stamp, at)]
-        self._numbers = [data.index(struct.pack("<d", each)) for each in _blanks(numbers)]
+        self.numbers = [data.index(struct.pack("<d", each)) for each in _blanks(numbers)]
+        """Where the numbers are; also `flags`, of one byte each."""
+        self.flags: list[int] = []
 
     def filled(self, stamp: int, numbers: Sequence[float]) -> bytes:
         """Return the message with its stamp, ns, and its numbers."""
         return self.all_filled(np.array([stamp]), np.array([numbers], np.float64))[0]
 
-    def all_filled(self, stamps: Ints, numbers: Floats) -> list[bytes]:
-        """Return n messages with their stamps, (n,) ns, and their numbers, (n, ...)."""
+    def all_filled(self, stamps: Ints, numbers: Floats, flags: Ints | None = None) -> list[bytes]:
+        """Return n messages with their stamps, (n,) ns, numbers and flags, (n, ...) each."""
         count, size = len(stamps), len(self._data)
         data = np.tile(np.frombuffer(self._data, np.uint8), (count, 1))
         seconds, rest = np.divmod(stamps, 1_000_000_000)
@@ -56,9 +56,11 @@ class Template:
         for at in self._stamps:
             data[:, at : at + 8] = stamp
         filled = np.ascontiguousarray(numbers, "<f8").view(np.uint8)
-        filled = filled.reshape(count, len(self._numbers), 8)
-        for row, at in enumerate(self._numbers):
+        filled = filled.reshape(count, len(self.numbers), 8)
+        for row, at in enumerate(self.numbers):
             data[:, at : at + 8] = filled[:, row]
+        if flags is not None:
+            data[:, self.flags] = flags
         whole = data.tobytes()
         return [whole[start : start + size] for start in range(0, len(whole), size)]
 
@@ -99,27 +101,18 @@ class Messages:
         return self._template(WRENCH, 3, header=_header(frame), wrench=[_blanks(3)])
 
     def spot(self, feet: int) -> Template:
-        """Fill with the place of each foot: 3 numbers a foot; contacts are set afterwards."""
+        """Fill with the place of each foot, 3 numbers, and a flag of each."""
         places = np.array(_blanks(3 * feet)).reshape(feet, 3)
-        states = [
-            {"foot_position_rt_body": place, "contact": MARK + foot}
-            for foot, place in enumerate(places)
-        ]
-        return self._template(SPOT, 3 * feet, header=_header(""), states=states)
+        states = [{"foot_position_rt_body": place} for place in places]
+        template = self._template(SPOT, 3 * feet, header=_header(""), states=states)
+        template.flags = [at + 8 for at in template.numbers[2::3]]
+        return template
 
-    def flags(self, feet: int) -> Template:
-        """Nothing to fill but the flags, which are the last bytes, one a foot."""
-        return self._template(FLAGS, 0, header=_header(""), contacts=[False] * feet)
-
-    def with_contacts(self, data: Sequence[bytes], feet: int, touching: Flags) -> list[bytes]:
-        """Set the contacts, (n, feet), in messages that `spot` made: 1 made, 2 lost."""
-        blank = self.spot(feet).filled(0, [0.0] * (3 * feet))
-        at = [blank.index(MARK + foot) for foot in range(feet)]
-        filled = [bytearray(each) for each in data]
-        for message, row in zip(filled, touching.tolist(), strict=True):
-            for offset, touches in zip(at, row, strict=True):
-                message[offset] = 1 if touches else 2
-        return [bytes(each) for each in filled]
+    def contacts(self, feet: int) -> Template:
+        """Fill with a flag of each foot: they are the last bytes."""
+        template = self._template(FLAGS, 0, header=_header(""), contacts=[False] * feet)
+        template.flags = list(range(-feet, 0))
+        return template
 
     def no_contact(self, frame: str) -> Template:
         """Nothing to fill: a bumper that touches nothing."""

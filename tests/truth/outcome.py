@@ -69,15 +69,10 @@ class Outcome:
 
 def _foot_topics(recording: Recording) -> Mapping[str, str] | None:
     """Name the feet of which one or two have wrench topics, which are not found by name."""
-    robot = recording.robot
-    topics = {
-        name: robot.topic(foot)
-        for foot, name in enumerate(robot.feet)
-        if name not in recording.unrecorded
-    }
-    if recording.sensors:
+    feet = recording.robot.feet
+    if recording.sensors or recording.kind != "wrench" or len(feet) > 2:
         return None
-    return topics if recording.kind == "wrench" and len(topics) <= 2 else None
+    return {name: recording.robot.topic(foot) for foot, name in enumerate(feet)}
 
 
 def outcome(recording: Recording, folder: Path) -> Outcome:
@@ -101,9 +96,7 @@ def measured_log(path: Path, topics: MeasureOptions | None = None) -> Outcome:
     )
 
 
-def matched(true: Floats, reported: Floats, reach_s: float) -> list[float]:
-    """Return how late the nearest reported event is after each true one, where one is in reach."""
-    if not len(reported):
-        return []
-    late = [float(reported[np.abs(reported - each).argmin()] - each) for each in true]
-    return [each for each in late if abs(each) <= reach_s]
+def nearest(values: Floats, to: Floats) -> Floats:
+    """(n,) the nearest of some values to each of n others; infinite where there are none."""
+    known = np.append(values, np.inf)
+    return np.asarray(known[np.abs(known - to[:, None]).argmin(axis=1)])

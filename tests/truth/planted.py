@@ -9,20 +9,14 @@ from tests.truth.recording import Disturbance, FootRecording
 CONTACT_N = 60.0
 
 
-def slip(
-    foot_name: str,
-    at_s: float,
-    metres: float,
-    lasts_s: float = 0.04,
-    towards: tuple[float, float] = (1.0, 0.0),
-) -> Disturbance:
-    """Let a foot slide, forward or another way, in its stance until it leaves the ground."""
+def slip(foot_name: str, at_s: float, metres: float) -> Disturbance:
+    """Let a foot slide forward for 40 ms in its stance, and stay there until it leaves it."""
 
     def change(_: int, foot: FootRecording) -> FootRecording:
         leaves = foot.time[(foot.time > at_s) & ~foot.touching][0]
-        slid = np.clip((foot.time - at_s) / lasts_s, 0.0, 1.0) * metres
+        slid = np.clip((foot.time - at_s) / 0.04, 0.0, 1.0) * metres
         slid[(foot.time <= at_s) | (foot.time >= leaves)] = 0.0
-        return replace(foot, point=foot.point + np.outer(slid, (*towards, 0.0)))
+        return replace(foot, point=foot.point + np.outer(slid, (1.0, 0.0, 0.0)))
 
     return lambda recording: recording.each_foot(change, foot_name)
 

@@ -159,4 +159,7 @@ def _case(name: str, walk: Walk, way: str, fault: Disturbance, says: str) -> Cas
     if way in {FORCES, GYRO} and walk.turn_radps:
         # Strides of a robot that turns are known by where its feet are only.
         cause, skip = cause or "base turns", [*skip, "verdict"]
-    return Case(name, walk, (*WAYS[way], fault), says, cause, skip=", ".join(skip))
+    # Feet that tell where they are stand in for poses.
+    stand_in = way in {POINTS, PLACES} and says in {"POSE_FROZEN", "NOT_FINITE"}
+    known = "speed" if stand_in else ""
+    return Case(name, walk, (*WAYS[way], fault), says, cause, skip=", ".join(skip), known=known)

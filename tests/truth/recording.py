@@ -175,8 +175,6 @@ class Recording:
     """Kind of each foot's sensor, where they differ."""
     sensors: tuple[tuple[Sensor, ...], ...] = ()
     """Those of each foot, where it has several."""
-    unrecorded: tuple[str, ...] = ()
-    """Feet without a topic."""
     has_tf: bool = False
     """Whether the log holds the transforms of the links."""
     touches_itself: bool = False
@@ -296,9 +294,9 @@ def vector_messages(
     return VectorRecording(topic, kind, stamp, stamp + LOGGED_AFTER_NS, vector, frame)
 
 
-def sample_times(seconds: float, rate_hz: float, late_s: float = 0.0) -> Floats:
-    """(n,) s, at a steady rate from `late_s` on."""
-    return late_s + np.arange(int((seconds - late_s) * rate_hz + 1e-9) + 1) / rate_hz
+def sample_times(seconds: float, rate_hz: float) -> Floats:
+    """(n,) s, at a steady rate."""
+    return np.arange(int(seconds * rate_hz + 1e-9) + 1) / rate_hz
 
 
 def about_axis(axis: int, angle: Floats) -> Floats:

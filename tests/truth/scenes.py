@@ -77,7 +77,7 @@ class Scene:
 
     def recorded(self, rate_hz: float = 250.0) -> Recording:
         """Return the messages of perfect sensors."""
-        time = sample_times(self.seconds, rate_hz, late_s=0.0)
+        time = sample_times(self.seconds, rate_hz)
         zero = np.zeros_like(time)
         position = np.stack([self.forward(time), zero, self.height(time)], axis=1)
         velocity = np.gradient(position, time, axis=0)

@@ -51,8 +51,8 @@ def levels() -> Iterator[Case]:
     for newtons, only in ((-25.0, ()), (40.0, ()), (30.0, ("back_left",))):
         zeroed = on(sensor.rezeroed(10.03, newtons), *only)
         name = f"{'one force sensor' if only else 'force sensors'} re-zeroed in mid-log"
-        yield Case(f"{name}, {newtons:+g} N before", Walk(seconds=20.0), (*SENSED, zeroed), MOVES,
-                   cause="")
+        yield Case(f"{name}, {newtons:+g} N before", Walk(seconds=20.0), (*SENSED, zeroed),
+                   "CONTACT_UNKNOWN.*re-zeroed")
     yield Case("force sensors warm up by 40 N", Walk(seconds=40.0),
                (*SENSED, sensor.warming(40.0, 20.0)), MOVES, cause="")
 
@@ -212,8 +212,9 @@ def contradictory() -> Iterator[Case]:
     """Levels beside a second fault that hides which is which."""
     tall = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0))
     yield Case("saturated at 500 N, biped of 80 kg, 4 strides", replace(tall, seconds=3.2),
-               (FORCE, sensor.noise(2.0), sensor.saturated(500.0)), cause="SATURATED|IMPULSE",
-               tolerance=COARSE, skip="verdict, peak force, load share")
+               (FORCE, sensor.noise(2.0), sensor.saturated(500.0)),
+               cause="SATURATED|IMPULSE|look alike", tolerance=COARSE,
+               skip="verdict, peak force, load share")
     yield Case("offset -60 N, biped of 80 kg, mass -20 % wrong", tall,
                (FORCE, sensor.noise(2.0), sensor.offset(-60.0), sensor.user_gives(mass=64.0)),
                "mass", None, COARSE, "impulse")

@@ -33,9 +33,9 @@ def _plus(foot: FootRecording, newtons: Floats) -> FootRecording:
     return replace(foot, force=foot.force + np.outer(newtons, UP))
 
 
-def _some(foot: FootRecording, row: int, seed: int, fraction: float) -> Floats:
+def _some(foot: FootRecording, row: int, fraction: float) -> Floats:
     """Choose messages at random."""
-    random = np.random.default_rng((seed, row))
+    random = np.random.default_rng((0, row))
     return np.asarray(random.random(len(foot.force)) < fraction)
 
 
@@ -72,11 +72,9 @@ def noise(row: int, foot: FootRecording, std_n: float, seed: int = 0) -> FootRec
 
 
 @of_feet
-def spikes(
-    row: int, foot: FootRecording, newtons: float, every_s: float, seed: int = 0
-) -> FootRecording:
+def spikes(row: int, foot: FootRecording, newtons: float, every_s: float) -> FootRecording:
     """Add lone samples of much force along z, at random."""
-    random = np.random.default_rng((seed, row))
+    random = np.random.default_rng((0, row))
     count = max(1, int(foot.time[-1] / every_s))
     extra = np.zeros(len(foot.time))
     extra[random.choice(len(extra), count, replace=False)] = newtons
@@ -122,9 +120,9 @@ def without_forces(_: int, foot: FootRecording) -> FootRecording:
 
 
 @of_feet
-def not_finite(row: int, foot: FootRecording, fraction: float, seed: int = 0) -> FootRecording:
+def not_finite(row: int, foot: FootRecording, fraction: float) -> FootRecording:
     """Let some messages hold a force that is no number."""
-    rows = _some(foot, row, seed, fraction)
+    rows = _some(foot, row, fraction)
     return replace(foot, force=np.where(rows[:, None], np.nan, foot.force))
 
 
@@ -167,9 +165,9 @@ def scaled(_: int, foot: FootRecording, factor: float) -> FootRecording:
 
 
 @of_feet
-def lone_zeros(row: int, foot: FootRecording, fraction: float, seed: int = 0) -> FootRecording:
+def lone_zeros(row: int, foot: FootRecording, fraction: float) -> FootRecording:
     """Let some messages hold zeros in place of a measurement."""
-    rows = _some(foot, row, seed, fraction)
+    rows = _some(foot, row, fraction)
     return replace(foot, force=np.where(rows[:, None], 0.0, foot.force))
 
 

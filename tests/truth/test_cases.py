@@ -24,13 +24,13 @@ ALIKE = re.compile("|".join([r"[+-]?\d+(\.\d+)?", *(f", {way}" for way in revers
 
 
 def each_case() -> Iterator[Any]:
-    """Yield all cases; of those that are alike, the first and the last are quick."""
+    """Yield all cases; of those that are alike one is quick, in turn the first and the last."""
     alike = defaultdict(list)
     for case in all_cases():
         alike[ALIKE.sub("0", case.name)].append(case)
-    for kind, cases in alike.items():
+    for number, (kind, cases) in enumerate(alike.items()):
         for case in cases:
-            is_quick = case in {cases[0], cases[-1]} and not VARIANT.search(kind)
+            is_quick = case is cases[-(number % 2)] and not VARIANT.search(kind)
             yield pytest.param(case, id=case.name, marks=() if is_quick else pytest.mark.slow)
 
 
@@ -45,36 +45,6 @@ def test_right_or_null_with_the_cause_named(case: Case, tmp_path: Path) -> None:
     )
 
 
-CASES = {case.name: case for case in all_cases()}
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["odometry displaced by 5 m", "clock of the feet +0.2 s off",
-     "the base heaves, odometry restamped by +0.2 s"],
-)  # fmt: skip
-def test_lengths_of_feet_with_points_of_their_own_stay(name: str, tmp_path: Path) -> None:
-    recording = CASES[name].record()
-    foot = outcome(recording, tmp_path).json["feet"]["front_left"]
-    assert foot["stride_length_from"] == "points"
-    true = recording.truth.feet[0].stride_length_m
-    assert foot["stride_length_m"]["mean"] == pytest.approx(true, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["frozen, contact points", "frozen, slow walk, places in the base", "all zero, contact points",
-     "zero quaternions, places in the base", "frozen, on the spot in circles, contact points"],
-)  # fmt: skip
-def test_the_feet_stand_in_for_poses(name: str, tmp_path: Path) -> None:
-    recording = CASES[name].record()
-    found = outcome(recording, tmp_path)
-    assert found.figure("settings.base_from") == "legs"
-    speed = found.figure("base.forward_speed_mps")
-    assert speed == pytest.approx(recording.truth.forward_speed_mps, abs=0.01)
-    assert found.figure("base.roll_rad") is None
-
-
 def test_a_gap_of_poses_counts_neither_as_path_nor_as_time(tmp_path: Path) -> None:
     recording = silent(3.0, 4.0)(Walk().recorded(200.0, 100.0))
     found = outcome(recording, tmp_path)
@@ -83,11 +53,3 @@ def test_a_gap_of_poses_counts_neither_as_path_nor_as_time(tmp_path: Path) -> No
     assert found.says("front_left is in contact for 0.5 s further than 0.1 s from odometry")
     foot = outcome(as_force_sensors(recording), tmp_path).json["feet"]["front_left"]
     assert 5 < foot["stride_length_m"]["n"] < foot["strides"]
-
-
-def test_the_json_has_every_figure_that_there_is_truth_for(tmp_path: Path) -> None:
-    case = all_cases()[0]
-    recording = case.record()
-    judged = judge(case, recording, outcome(recording, tmp_path))
-    assert len(judged) > 12
-    assert [each.why for each in judged if each.status == "missing"] == []

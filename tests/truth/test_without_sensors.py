@@ -14,9 +14,11 @@ from mcap_ros2.decoder import DecoderFactory
 import dogbot_logtool as dl
 from tests.oracles import walks
 from tests.oracles.field_logs import odd_walk
+from tests.truth.free_walker import HEAVY_KG, biped, quadruped
+from tests.truth.parts import urdf
 from tests.truth.physics import ORIGIN_NS, Physics
 from tests.truth.recording import Floats
-from tests.truth.without_sensors import HEAVY_KG, biped, quadruped, resized, write_log
+from tests.truth.without_sensors import resized, write_log
 
 Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
 ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {
@@ -24,7 +26,7 @@ ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {
     "turn": lambda: quadruped(command=(0.3, 0.0, 0.5)),
     "walk": lambda: quadruped(gait="walk", command=(0.2, 0.0, 0.0)),
     "slope": lambda: quadruped(slope_rad=np.radians(10.0)),
-    "heavy legs": lambda: quadruped(HEAVY_KG),
+    "heavy legs": lambda: quadruped(legs_kg=HEAVY_KG),
     "pushes": lambda: quadruped(push_n=60.0),
     "biped": biped,
 }
@@ -36,13 +38,19 @@ def no_efforts(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floa
     return position, velocity, np.full_like(effort, np.nan)
 
 
+SOURCES: Final[Mapping[str, Change]] = {
+    "joint_torques": lambda *states: states,
+    "kinematics": no_efforts,
+}
+
+
 @cache
 def robot(name: str) -> Physics:
     return ROBOTS[name]()
 
 
-def measured(path: Path, walk: Physics, change: Change | None = None, **options: Any) -> dl.Walk:
-    return dl.measure(write_log(path / "log.mcap", walk, change=change, **options))
+def measured(path: Path, walk: Physics, **options: Any) -> dl.Walk:
+    return dl.measure(write_log(path / "log.mcap", walk, **options))
 
 
 def codes(walk: dl.Walk) -> dict[str, str]:
@@ -60,11 +68,11 @@ def force_error_bw(walk: dl.Walk, truth: Physics) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("source", ["joint_torques", "kinematics"])
+@pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_gait_and_base_are_those_of_the_engine(name: str, source: str, tmp_path: Path) -> None:
     truth = robot(name)
-    walk = measured(tmp_path, truth, None if source == "joint_torques" else no_efforts)
+    walk = measured(tmp_path, truth.telling(SOURCES[source]))
     stats = walk.stats
     assert stats["settings"]["contact_from"] == source
     assert stats["settings"]["base_from"] == "legs"
@@ -98,8 +106,8 @@ def test_trot_by_torques(tmp_path: Path) -> None:
 
 
 FAULTS: Final[Mapping[str, tuple[Change, str]]] = {
-    "empty": (no_efforts, "efforts are empty"),
-    "zero": (lambda p, v, e: (p, v, 0.0 * e), "efforts are constantly zero"),
+    "empty": (no_efforts, "efforts are empty or zero"),
+    "zero": (lambda p, v, e: (p, v, 0.0 * e), "efforts are empty or zero"),
     "turned": (lambda p, v, e: (p, v, -e), "wrong sign"),
     "amperes": (lambda p, v, e: (p, v, e / 0.4), "no torques in N m"),
     "one leg turned": (
@@ -112,7 +120,7 @@ FAULTS: Final[Mapping[str, tuple[Change, str]]] = {
 @pytest.mark.parametrize("name", FAULTS)
 def test_efforts_that_are_no_torques_give_no_forces(name: str, tmp_path: Path) -> None:
     change, why = FAULTS[name]
-    walk = measured(tmp_path, robot("trot"), change)
+    walk = measured(tmp_path, robot("trot").telling(change))
     assert walk.stats["settings"]["contact_from"] == "kinematics"
     assert walk.gait.name == "trot"
     assert why in codes(walk)["CONTACT_ESTIMATED"]
@@ -134,16 +142,16 @@ def noisy(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, .
 @pytest.mark.parametrize(
     ("change", "every", "why"),
     [
-        (None, 20, "joint states come 12 times in a stride, too rarely"),
+        (SOURCES["joint_torques"], 20, "joint states come 12 times in a stride, too rarely"),
         (stuck, 5, "RR_thigh_joint tells one position for 6 s while other legs move"),
         (noisy, 1, "positions of joints are not exact enough"),
     ],
     ids=["rare", "stuck", "noisy"],
 )
 def test_joints_that_do_not_tell_surely_tell_nothing(
-    change: Change | None, every: int, why: str, tmp_path: Path
+    change: Change, every: int, why: str, tmp_path: Path
 ) -> None:
-    walk = measured(tmp_path, robot("trot"), change, every=every)
+    walk = measured(tmp_path, robot("trot").telling(change), every=every)
     assert why in codes(walk)["NO_FEET"]
     assert walk.stats["base"]["forward_speed_mps"] is None
 
@@ -153,20 +161,22 @@ def test_joints_that_do_not_tell_surely_tell_nothing(
     [
         (57.3, (0.4, 0.0, 0.0), "turns by a gyroscope are not the base's in rad/s"),
         (-1.0, (0.3, 0.0, 0.5), "turns by a gyroscope are not the base's in rad/s"),
-        (0.0, (0.0, 0.0, 0.8), "of a gyroscope contradict 0.78 of the standing feet"),
+        (0.0, (0.0, 0.0, 0.8), "by the standing feet, 0.78 rad/s, contradict each other"),
     ],
 )
 def test_turns_that_contradict_the_feet_leave_all_unknown(
-    gyro: float, command: tuple[float, ...], why: str, tmp_path: Path
+    gyro: float, command: tuple[float, float, float], why: str, tmp_path: Path
 ) -> None:
-    walk = measured(tmp_path, turning(command), gyro=gyro)
+    walk = measured(tmp_path, quadruped(command), gyro=gyro)
     assert why in codes(walk)["NO_FEET"]
     assert (walk.gait.name, walk.stats["base"]["yaw_rate_radps"]) == (None, None)
 
 
 @pytest.mark.parametrize("command", [(0.4, 0.0, 0.0), (0.3, 0.0, 0.5), (0.0, 0.0, 0.8)])
-def test_joints_alone_tell_feet_and_base(command: tuple[float, ...], tmp_path: Path) -> None:
-    truth = turning(command)
+def test_joints_alone_tell_feet_and_base(
+    command: tuple[float, float, float], tmp_path: Path
+) -> None:
+    truth = quadruped(command)
     walk = measured(tmp_path, truth, with_imu=False)
     base, turned = walk.stats["base"], truth.base_velocity[:, 2].mean()
     assert base["yaw_rate_radps"] == pytest.approx(turned, rel=0.05, abs=0.02)
@@ -177,17 +187,12 @@ def test_joints_alone_tell_feet_and_base(command: tuple[float, ...], tmp_path: P
 
 @pytest.mark.parametrize("size", [0.15, 4.0])
 def test_small_and_large_robots_turn(size: float, tmp_path: Path) -> None:
-    truth = resized(turning((0.3, 0.0, 0.5)), size)
+    truth = resized(quadruped((0.3, 0.0, 0.5)), size)
     stats = measured(tmp_path, truth).stats
     turned = truth.base_velocity[:, 2].mean()
     assert stats["base"]["yaw_rate_radps"] == pytest.approx(turned, rel=0.05)
     assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, rel=0.06)
     assert "warning" not in {each["severity"] for each in stats["findings"]}
-
-
-@cache
-def turning(command: tuple[float, ...]) -> Physics:
-    return quadruped(command=command)
 
 
 def test_the_robot_walks_through_the_world_of_the_output(tmp_path: Path) -> None:
@@ -210,8 +215,9 @@ def test_an_inertial_unit_is_turned_as_the_description_says(tmp_path: Path) -> N
         '<link name="imu"/><joint name="imu_joint" type="fixed"><parent link="base_link"/>'
         '<child link="imu"/><origin rpy="1.5707963 0 0"/></joint></robot>'
     )
-    turned = replace(truth, urdf=truth.urdf.replace("</robot>", mount))
-    walk = dl.measure(write_log(tmp_path / "log.mcap", turned, imu_frame="imu"))
+    file = tmp_path / "robot.urdf"
+    file.write_text(urdf(truth.parts).replace("</robot>", mount))
+    walk = dl.measure(write_log(tmp_path / "log.mcap", truth, imu_frame="imu"), urdf=file)
     rate = truth.base_velocity[:, 2].mean()
     assert walk.stats["base"]["yaw_rate_radps"] == pytest.approx(rate, abs=0.01)
     assert abs(walk.stats["base"]["roll_rad"]["median"]) < 0.02
@@ -224,12 +230,12 @@ def test_names_of_joints_may_have_a_namespace(tmp_path: Path) -> None:
 
 
 def test_without_a_description_the_line_to_paste_is_printed(tmp_path: Path) -> None:
-    walk = measured(tmp_path, robot("trot"), with_urdf=False)
+    walk = measured(tmp_path, replace(robot("trot"), parts=()))
     assert walk.gait.name is None
     assert "--urdf ROBOT.urdf" in codes(walk)["NO_FEET"]
     assert walk.stats["legs"]["joints"]["FL_calf_joint"]["peak_speed"] > 1.0
     file = tmp_path / "robot.urdf"
-    file.write_text(robot("trot").urdf)
+    file.write_text(urdf(robot("trot").parts))
     assert dl.measure(tmp_path / "log.mcap", urdf=file).gait.name == "trot"
 
 

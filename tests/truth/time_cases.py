@@ -19,7 +19,7 @@ LOST = r"lost|GAPS|SILEN"
 def clocks() -> Iterator[Case]:
     for seconds in (0.1, 0.2, 0.3, -0.2):
         yield Case(f"clock of the feet {seconds:+g} s off", TROT, (time.late_clock(seconds),),
-                   CLOCK, shifted=True)
+                   CLOCK, known="stride length", shifted=True)
     for late in (0.15, -0.15):
         yield Case(f"clock of the feet {late:+g} s off, jitter 30 ms", TROT,
                    (time.late_clock(late), time.late_delivery(0.02, 0.03)), CLOCK, shifted=True)
@@ -31,7 +31,7 @@ def clocks() -> Iterator[Case]:
     for late in (0.0, 0.1, 0.2, 0.3, -0.2):
         yield Case(f"the base heaves, odometry restamped by {late:+g} s", walk,
                    (world.driven, world.restamped(late)), CLOCK if late else "",
-                   shifted=late < 0.0, skip="height, peak force, braking")
+                   shifted=late < 0.0, skip="height, peak force, braking", known="stride length")
     yield Case("feet on simulation time, odometry on the wall's", TROT,
                (time.late_clock(-1.69e9),), CLOCK, shifted=True)
     yield Case("no stamps at all", TROT, (time.no_stamps,), "stamp")

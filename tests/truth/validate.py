@@ -21,9 +21,9 @@ import dogbot_logtool as dl
 from tests.paths import ROOT
 from tests.truth.cases import groups
 from tests.truth.judging import faults, judge
-from tests.truth.outcome import Outcome, matched, measured_log, outcome
+from tests.truth.outcome import Outcome, measured_log, nearest, outcome
 from tests.truth.recording import Floats
-from tests.truth.test_without_sensors import ROBOTS, force_error_bw, no_efforts
+from tests.truth.test_without_sensors import ROBOTS, SOURCES, force_error_bw
 from tests.truth.without_sensors import write_log
 
 REACH_S: Final = 0.15
@@ -64,7 +64,8 @@ def contact_fraction(events: dict[str, Any], duration_s: float) -> float:
 def _compared(events: dict[str, Any], found: Outcome, foot: str, label: str, key: str) -> str:
     true: Floats = np.array(events[label])[1:-1]
     result = np.array(found.figure(f"feet.{foot}.{key}") or [], np.float64)
-    errors = np.array(matched(true, result, REACH_S)) * 1e3
+    errors = (nearest(result, true) - true) * 1e3
+    errors = errors[np.abs(errors) <= 1e3 * REACH_S]
     if not len(errors):
         return f"0 of {len(true)}"
     spread = f"{errors.mean():+.0f} ± {errors.std():.0f} ms, at most {np.abs(errors).max():.0f} ms"
@@ -142,15 +143,15 @@ def without_sensors() -> str:
     with tempfile.TemporaryDirectory() as folder:
         for name, run in ROBOTS.items():
             truth = run()
-            for source, change in (("joint torques", None), ("kinematics", no_efforts)):
-                path = write_log(Path(folder) / "log.mcap", truth, change=change)
+            for source, change in SOURCES.items():
+                path = write_log(Path(folder) / "log.mcap", truth.telling(change))
                 walk = dl.measure(path)
                 stats = walk.stats
                 feet = [foot["contact_fraction"] for foot in stats["feet"].values()]
                 speed = stats["base"]["forward_speed_mps"]
                 ratio = stats["forces"]["vertical_impulse_over_weight"]
                 down = f"{truth.touching.mean():.2f} → {np.mean(feet):.2f}"
-                cells = name, source, stats["gait"]["name"], down
+                cells = name, source.replace("_", " "), stats["gait"]["name"], down
                 went = f"{truth.speed_mps:.3f} → {speed:.3f}"
                 error = None if ratio is None else force_error_bw(walk, truth)
                 forces = _number(ratio, 2), _number(error, 2)

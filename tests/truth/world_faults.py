@@ -85,9 +85,9 @@ def reset_height(base: BaseRecording, at_s: float) -> BaseRecording:
 
 
 @of_base
-def pose_noise(base: BaseRecording, std_m: float, seed: int = 0) -> BaseRecording:
+def pose_noise(base: BaseRecording, std_m: float) -> BaseRecording:
     """Add white noise to the base's position."""
-    return _moved(base, np.random.default_rng(seed).normal(0.0, std_m, base.position.shape))
+    return _moved(base, np.random.default_rng(0).normal(0.0, std_m, base.position.shape))
 
 
 def driven(recording: Recording) -> Recording:

@@ -17,12 +17,8 @@ from dogbot_logtool.core.settings import WalkSettings
 
 STRAIGHT: Final = 0.9
 """Net way over path of a base that goes straight."""
-SIDES_APART_M: Final = 0.02
-"""m by which a left foot must be to the right of the right one for that to be said."""
 CLEARLY: Final = 2.0
 """Times by which one direction exceeds the other where the forward axis is clear."""
-WALKED_M: Final = 0.5
-"""m, way to a side from which its direction means something."""
 
 
 def with_forward_axis(
@@ -56,15 +52,6 @@ def has_heading(motion: Base) -> bool:
     return bool(motion.yaw_rate_radps) or net >= STRAIGHT * path
 
 
-def displacements_m(motion: Base | None) -> tuple[float, float]:
-    """Return how far the base goes ahead and to the left, m; zeros where that is not known."""
-    if motion is None or not has_heading(motion):
-        return 0.0, 0.0
-    speeds = motion.forward_speed_mps or 0.0, motion.lateral_speed_mps or 0.0
-    seconds = motion.duration_s or 0.0
-    return speeds[0] * seconds, speeds[1] * seconds
-
-
 def axis_by_legs(
     base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
 ) -> str | None:
@@ -78,53 +65,21 @@ def axis_by_legs(
     Returns:
         ``+x`` and so on; None where contact points and positions do not tell.
     """
-    places = _usual_places(base, feet, positions)
-    ends = [
-        [place for (end, _), (_, place) in places.items() if end == name]
-        for name in ("front", "back")
-    ]
-    if not all(ends):
-        return None
-    front, back = (np.mean(each, axis=0) for each in ends)
-    return nearest_axis(front - back)
+    places = usual_places(base, feet, positions)
+    front, back = (
+        [place for (end, _), place in places.items() if end == name] for name in ("front", "back")
+    )
+    return nearest_axis(np.mean(front, axis=0) - np.mean(back, axis=0)) if front and back else None
 
 
-def swapped_pairs(
-    base: BaseHistory,
-    feet: Sequence[FootHistory],
-    positions: Sequence[LegPosition | None],
-    forward_rad: float,
-) -> tuple[tuple[tuple[int, int], ...], int]:
-    """Return the pairs of which the left foot touches to the right of the right one.
-
-    Args:
-        base: poses.
-        feet: histories of all feet.
-        positions: of each foot on the body.
-        forward_rad: from the body's x axis to the axis that points forward.
-
-    Returns:
-        left and right foot of those pairs, and how many pairs contact points tell of.
-    """
-    places = _usual_places(base, feet, positions)
-    left_axis = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
-    pairs = [
-        (row, places[end, "right"][0], float((usual - places[end, "right"][1]) @ left_axis))
-        for (end, side), (row, usual) in places.items()
-        if side == "left" and (end, "right") in places
-    ]
-    swapped = tuple((left, right) for left, right, apart in pairs if apart < -SIDES_APART_M)
-    return swapped, len(pairs)
-
-
-def _usual_places(
+def usual_places(
     base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
-) -> dict[LegPosition, tuple[int, Floats]]:
-    """Return each foot and its contact points' mean, (2,) m along the body's x and y."""
+) -> dict[LegPosition, Floats]:
+    """Return the mean of each foot's contact points, (2,) m along the body's x and y."""
     seen = [seen_from_base(foot, base)[1] for foot in feet]
     return {
-        position: (row, place.mean(axis=0))
-        for row, (place, position) in enumerate(zip(seen, positions, strict=True))
+        position: place.mean(axis=0)
+        for place, position in zip(seen, positions, strict=True)
         if position is not None and len(place)
     }
 

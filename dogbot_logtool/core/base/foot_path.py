@@ -1,7 +1,6 @@
 """The point of a foot over time, by messages, transforms or joints."""
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -44,8 +43,7 @@ def unbroken(time: Ints, breaks: Flags, start: Ints, end: Ints) -> Flags:
     return whole
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FootPath:
+class FootPath(NamedTuple):
     """The point of a foot over time, in the base's frame or in the world."""
 
     time: Ints
@@ -111,8 +109,7 @@ _SEEN: Final = (Cut.WHOLE, Cut.LOG_START, Cut.LOG_END, Cut.STANDING)
 """Stances between whose ends the foot is known to stand."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Footfalls:
+class Footfalls(NamedTuple):
     """Position of a foot in each of its stances."""
 
     position: Floats

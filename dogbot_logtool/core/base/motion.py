@@ -1,9 +1,8 @@
 """How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import hypot, prod
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -29,8 +28,7 @@ _LONGEST_BLOCK: Final = 100
 """Poses that are averaged at most: a second of them."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class BaseTrack:
+class BaseTrack(NamedTuple):
     """The poses that the base's motion is measured on."""
 
     history: BaseHistory
@@ -137,18 +135,18 @@ def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
     return int(min(max(np.ceil(size), 1), _LONGEST_BLOCK))
 
 
-def base_motion(track: BaseTrack, forward_rad: float, within: Ints | None = None) -> Base | None:
+def base_motion(
+    track: BaseTrack, forward_rad: float, within: Ints = timespans.ALWAYS
+) -> Base | None:
     """Measure the motion of the base; None without two poses.
 
     Args:
         track: poses, and what the feet say of them.
         forward_rad: from the body's x axis to the axis that points forward.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
     """
     base = track.history
-    inside = np.ones(len(base.time), np.bool_)
-    if within is not None:
-        inside = timespans.covers(within, base.time)
+    inside = timespans.covers(within, base.time)
     rows = np.flatnonzero(inside)
     if len(rows) < 2:
         return None

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -44,8 +44,6 @@ class Odometry:
     """(n, 4) quaternion x, y, z, w, base in the world frame, as recorded (any norm)."""
     linear_velocity: Floats
     """(n, 3) m/s. World or body frame: sources differ, so never trust it blindly."""
-    angular_velocity: Floats
-    """(n, 3) rad/s, same caution."""
 
     @property
     def time(self) -> Ints:
@@ -61,7 +59,7 @@ def no_odometry() -> Odometry:
     """Return none."""
     times: Ints = np.empty(0, np.int64)
     vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
-    return Odometry(times, times, vectors, quaternions, vectors, vectors)
+    return Odometry(times, times, vectors, quaternions, vectors)
 
 
 def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
@@ -212,10 +210,7 @@ class BaseHistory:
     def unplaced(self, spans: Ints) -> int:
         """Return the time in spans, ns, that lies further than 0.1 s from every pose."""
         reach = round(self._reach_ns)
-        if len(self.time) == 0:
-            return timespans.total(spans)
-        edges = np.concatenate([self.time[:1], self.gaps.ravel(), self.time[-1:]]).reshape(-1, 2)
-        placed = timespans.merge(edges + np.array([-reach, reach]))
+        placed = timespans.merge(self.known + np.array([-reach, reach]))
         return timespans.total(timespans.subtract(spans, placed))
 
 
@@ -311,8 +306,7 @@ _FEWEST: Final = 6
 _CHUNK: Final = 20_000
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class PoseJumps:
+class PoseJumps(NamedTuple):
     """Steps between neighbouring poses that are no motion of the base."""
 
     rows: Ints

@@ -1,4 +1,4 @@
-"""The base's motion by the feet alone.
+"""The base's motion by the feet alone, or by the twist, and poses against it, stride by stride.
 
 Contact points in the world rest while the base moves on. From footfall to footfall a foot goes as
 far as the base, so that the centroid of all feet goes where the base goes, and their directions
@@ -6,22 +6,23 @@ from it turn as it turns. Places of feet in the base's axes tell its velocity (`
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Complexes,
+    Flags,
     Floats,
     Ints,
     all_finite,
     distinct,
     median_of,
+    median_of_known,
     norms,
 )
-from dogbot_logtool.core.base.comparison import motion_in, stride_windows
 from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
@@ -41,8 +42,7 @@ _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Witness:
+class Witness(NamedTuple):
     """The base's motion by its feet."""
 
     poses: BaseHistory
@@ -66,13 +66,14 @@ class Witness:
         """
         if len(recorded.time) or not (self.tells_heading and self.tells_turn):
             return None
-        angles = self.poses.angles - np.array([0.0, 0.0, 0.0 if self.by == "legs" else forward_rad])
+        ahead = 0.0 if self.by == "legs" else forward_rad
         return replace(
-            self.poses,
-            angles=angles,
-            messages=recorded.messages,
-            not_usable=recorded.not_usable,
-            not_advancing=recorded.not_advancing,
+            recorded,
+            time=self.poses.time,
+            position=self.poses.position,
+            angles=self.poses.angles - np.array([0.0, 0.0, ahead]),
+            gaps=self.poses.gaps,
+            interval_s=0.0,
         )
 
 
@@ -129,7 +130,7 @@ def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     duration = (foot.stances.liftoff - foot.stances.touchdown)[known]
     if not len(time):
         return time, place
-    longer = np.maximum(duration - 2 * int(median_of(duration)), 0)
+    longer = np.maximum(duration - 2.0 * int(median_of(duration)), 0.0).astype(np.int64)
     twice = np.stack([time, time + longer], axis=1).ravel()
     both = np.repeat(place, 2, axis=0)
     kept = np.concatenate([[True], np.diff(twice) > 0])
@@ -232,52 +233,32 @@ STAYS_RADPS: Final = 0.03
 """rad/s, the same of a turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Frozen:
-    """Time in which one pose is repeated although the robot walks, or may walk, on."""
-
-    spans: Ints
-    """(s, 2) ns."""
-    whole: bool
-    """Whether no other poses are left."""
-    moves_mps: float | None
-    """m/s, how fast the witness says that the base moves in that time; None: there is none."""
-    turns_radps: float | None
-    """rad/s, how fast it turns, likewise."""
-    by: str
-    """The witness; empty: none tells whether the base moves."""
-
-
 def find_frozen(
     base: BaseHistory, feet: Sequence[FootHistory], witness: Witness | None, period_s: float | None
-) -> Frozen | None:
-    """Find the time in which poses are frozen; None: they are not.
+) -> Ints:
+    """Find the time in which one pose is repeated although the robot walks, or may walk, on.
 
     Args:
         base: poses as recorded.
         feet: histories of all feet.
         witness: the base's motion by its feet; None: not known.
         period_s: s, the usual stride; None: there is none.
+
+    Returns:
+        (s, 2) ns.
     """
     if not period_s or len(base.time) < 2:
-        return None
+        return timespans.no_spans()
     spans = _one_pose(base, SHORTEST_STRIDES * period_s * 1e9)
     steps = [_touchdowns(feet, span) >= FEWEST_TOUCHDOWNS for span in spans]
     spans = spans[np.array(steps, np.bool_)]
-    if not len(spans):
-        return None
-    speeds = turns = np.empty(0)
-    by = ""
-    if witness is not None:
-        motion = motion_in(witness.poses, stride_windows(spans, period_s))
-        known = np.isfinite(motion.turn)
-        speeds = np.abs(motion.displacement[known]) / period_s
-        turns = np.abs(motion.turn[known]) / period_s
-        by = witness.by if known.any() else ""
-    moves, turned = (float(median_of(each)) if by else None for each in (speeds, turns))
-    if by and (moves or 0.0) < STAYS_MPS and (turned or 0.0) < STAYS_RADPS:
-        return None
-    return Frozen(spans, len(without_frozen(base, spans).time) < 2, moves, turned, by)
+    if witness is None or not len(spans):
+        return spans
+    motion = motion_in(witness.poses, stride_windows(spans, period_s))
+    speeds, turns = np.abs(motion.displacement) / period_s, np.abs(motion.turn) / period_s
+    stays = float(median_of_known(speeds, axis=0)) < STAYS_MPS
+    stays &= float(median_of_known(turns, axis=0)) < STAYS_RADPS
+    return timespans.no_spans() if stays else spans
 
 
 def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
@@ -302,3 +283,152 @@ def _touchdowns(feet: Sequence[FootHistory], span: Ints) -> int:
         for each in feet
     ]
     return max(counts, default=0)
+
+
+FEWEST_STRIDES: Final = 2
+SHORTEST_PATH_M: Final = 0.2
+"""m in all that a witness must tell, for a way to be compared."""
+FAR_MORE: Final = 5.0
+"""Times such a way that poses must go beside a witness that hardly moves."""
+COHERENT: Final = 0.7
+"""Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which two ways are one."""
+SWINGS: Final = 0.3
+"""m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
+
+
+class Motion(NamedTuple):
+    """How far a base moves in each of k windows; NaN where that is not known."""
+
+    displacement: Complexes
+    """(k,) m, ahead + i x to the left, along its own heading."""
+    turn: Floats
+    """(k,) rad."""
+    rise: Floats
+    """(k,) m."""
+
+    @property
+    def walked_m(self) -> float:
+        """The sum of all distances, m."""
+        return float(np.abs(self.displacement).sum())
+
+    def pick(self, rows: Flags) -> "Motion":
+        """Return the chosen windows."""
+        return Motion(self.displacement[rows], self.turn[rows], self.rise[rows])
+
+
+def stride_windows(strides: Ints, period_s: float) -> Ints:
+    """Return spans, each as long as the usual stride, one after another while a robot walks.
+
+    Args:
+        strides: (s, 2) ns, merged spans with strides.
+        period_s: s, the usual stride.
+    """
+    period = round(period_s * 1e9)
+    starts = [
+        np.arange(start, end - period + 1, period, dtype=np.int64)
+        for start, end in strides.tolist()
+    ]
+    first = np.concatenate([np.empty(0, np.int64), *starts])
+    return np.stack([first, first + period], axis=1)
+
+
+def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Motion:
+    """Add up a base's steps in some windows.
+
+    Args:
+        base: poses.
+        windows: (k, 2) ns.
+        forward_rad: from the heading of its poses to forward.
+    """
+    if len(base.time) < 2:
+        unknown = np.full(len(windows), np.nan)
+        return Motion(unknown + 0j, unknown, unknown)
+    ahead, left, _ = base.steps(forward_rad)
+    path = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
+    edges = windows - base.time[0]
+    since = (base.time - base.time[0]).astype(np.float64)
+    outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
+    outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
+    columns = path, base.angles[:, 2], base.position[:, 2]
+    changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in columns]
+    return Motion(*(np.where(outside, np.nan, each) for each in changes))
+
+
+class Comparison(NamedTuple):
+    """The motion by poses against that by a witness, over whole strides that both tell of."""
+
+    by: str
+    """The witness."""
+    own: Motion
+    """By the poses; `reference`, by the witness."""
+    reference: Motion
+    tells_heading: bool
+    """Whether the witness tells directions."""
+    reach_m: float
+    """How far from the base what tells of its motion may be."""
+
+    @property
+    def strides(self) -> int:
+        """The strides that are compared."""
+        return len(self.own.turn)
+
+    @property
+    def tells_way(self) -> bool:
+        """Whether the witness goes somewhere, or the poses do by far."""
+        walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
+        turned = float(np.abs(self.reference.turn).sum())
+        return self.reference.walked_m > 0.0 and walked_m > max(
+            SHORTEST_PATH_M, self.reach_m * turned
+        )
+
+    @property
+    def scale(self) -> float:
+        """How many times as far as the witness the poses go."""
+        factor, coherence, _ = likeness(self.own.displacement, self.reference.displacement)
+        return factor if coherence >= COHERENT else self.own.walked_m / self.reference.walked_m
+
+    @property
+    def direction_rad(self) -> float:
+        """From the witness's way to that of the poses, to the left; 0 where it does not tell."""
+        _, coherence, angle = likeness(self.own.displacement, self.reference.displacement)
+        return angle if self.tells_heading and coherence >= COHERENT else 0.0
+
+
+def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
+    """Compare horizontal vectors, x + iy, with what they should be.
+
+    Returns:
+        How many times as long they are, the coherence, and by which angle they are turned, rad.
+    """
+    squares, product = float(np.vdot(reference, reference).real), complex(np.vdot(reference, own))
+    if not squares or not product:
+        return 0.0, 0.0, 0.0
+    both = np.sqrt(squares * float(np.vdot(own, own).real))
+    return abs(product) / squares, abs(product) / both, float(np.angle(product))
+
+
+def compare(
+    by: str, own: Motion, reference: Motion, *, tells_heading: bool, reach_m: float = SWINGS
+) -> Comparison | None:
+    """Compare the motion by poses with that by a witness; None: too few strides in common."""
+    both = np.isfinite(own.turn) & np.isfinite(reference.turn)
+    if both.sum() < FEWEST_STRIDES:
+        return None
+    return Comparison(by, own.pick(both), reference.pick(both), tells_heading, reach_m)
+
+
+def by_twist(poses: BaseHistory) -> BaseHistory | None:
+    """Return poses that go where the twist beside them says; None: there is none.
+
+    Sources give it in the world's or in the body's axes: those count that are nearer to the way.
+    """
+    if len(poses.velocity) != len(poses.time) or not poses.velocity.any():
+        return None
+    velocity = np.where(all_finite(poses.velocity)[:, None], poses.velocity, 0.0)
+    step = (velocity[1:] + velocity[:-1]) / 2.0 * (np.diff(poses.time)[:, None] / 1e9)
+    step = step[:, 0] + 1j * step[:, 1]
+    own = np.diff(poses.position[:, 0] + 1j * poses.position[:, 1])
+    turned = step * np.exp(1j * (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0)
+    nearer = min(step, turned, key=lambda each: float(np.abs(each - own).sum()))
+    at = np.concatenate([[0.0], np.cumsum(nearer)])
+    return replace(poses, position=np.stack([at.real, at.imag, np.zeros(len(at))], axis=1))

@@ -1,27 +1,19 @@
-"""Checks of the base's poses, among the contact points, and of what happens to the base."""
+"""Checks of the base among the contact points, of its axes, and of what happens to it."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms, percentiles_of
-from dogbot_logtool.core.base.attitude import turns_and_up
-from dogbot_logtool.core.base.axes import WALKED_M, displacements_m, has_heading, swapped_pairs
-from dogbot_logtool.core.base.comparison import (
-    SWINGS,
-    Comparison,
-    compare,
-    compare_twist,
-    motion_in,
-    stride_windows,
-    turn_only,
-)
-from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD, BaseHistory
-from dogbot_logtool.core.rotations import rotate
+from dogbot_logtool.core.base.axes import has_heading, usual_places
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
+
+SIDES_APART_M: Final = 0.02
+"""m by which a left foot must be to the right of the right one for that to be said."""
+WALKED_M: Final = 0.5
+"""m, way to a side from which its direction means something."""
 
 
 def worlds_differ(walk: Walk) -> Iterator[Finding]:
@@ -55,7 +47,7 @@ def falls(walk: Walk) -> Iterator[Finding]:
 def poses(walk: Walk) -> Iterator[Finding]:
     """Yield how many poses are missing or cannot be used."""
     record = walk.base_history
-    if walk.base is None and (walk.corrected.leaning_rad is not None or walk.frozen is not None):
+    if walk.base is None and (walk.corrected.leaning_rad is not None or len(walk.frozen)):
         return
     if record.messages and record.not_usable == record.messages:
         yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
@@ -89,13 +81,19 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
     apart |= walk.base is not None and not has_heading(walk.base)
     poses = walk.poses.without_poses() if apart else walk.placed_poses
     positions = [foot.leg_position for foot in walk.settings.feet]
-    forward_rad = walk.settings.forward_rad
-    swapped, pairs = swapped_pairs(poses, walk.records, positions, forward_rad)
-    if swapped and len(swapped) == pairs:
+    places, forward_rad = usual_places(poses, walk.records, positions), walk.settings.forward_rad
+    to_the_left = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
+    apart_m = {
+        end: float((place - places[end, "right"]) @ to_the_left)
+        for (end, side), place in places.items()
+        if side == "left" and (end, "right") in places
+    }
+    swapped = [end for end, metres in apart_m.items() if metres < -SIDES_APART_M]
+    if swapped and len(swapped) == len(apart_m):
         yield found("SIDES_SWAPPED", where="base.yaw_change_rad")
         return
-    for pair in swapped:
-        left, right = (walk.feet[row].name for row in pair)
+    for end in swapped:
+        left, right = (walk.feet[positions.index((end, side))].name for side in ("left", "right"))
         where = f"feet.{left}.topic"
         yield found("SIDES_SWAPPED", "one_pair", where=where, left=left, right=right)
 
@@ -103,310 +101,14 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
 def forward_axis(walk: Walk) -> Iterator[Finding]:
     """Yield that another axis than the guessed one is forward, or may be."""
     settings, base = walk.settings, walk.base
-    if base is not None and settings.forward_axis_reason:
+    if base is None:
+        return
+    if settings.forward_axis_reason:
         yield found("FORWARD_AXIS", where="settings.forward_axis", settings=settings)
-    forward, left = displacements_m(base)
-    if abs(left) > max(WALKED_M, 2.0 * abs(forward)):
-        side = "left" if left > 0.0 else "right"
-        where = "base.forward_speed_mps"
-        speed = abs((base and base.lateral_speed_mps) or 0.0)
-        words: Words = {"settings": settings, "base": base, "side": side, "speed": speed}
+    forward, left = base.forward_speed_mps or 0.0, base.lateral_speed_mps or 0.0
+    goes = has_heading(base) and abs(left) * (base.duration_s or 0.0) > WALKED_M
+    if goes and abs(left) > 2.0 * abs(forward):
+        where, side = "base.forward_speed_mps", "left" if left > 0.0 else "right"
+        words: Words = {"settings": settings, "base": base, "side": side, "speed": abs(left)}
         cases = ("assumed",) if settings.forward_axis_is_assumed else ()
         yield found("FORWARD_AXIS", *cases, where=where, say="sideways", **words)
-
-
-def pose_jumps(walk: Walk) -> Iterator[Finding]:
-    """Yield that the pose jumps."""
-    jumps = walk.jumps
-    if len(jumps.spans):
-        size, turn = norms(jumps.size_m), np.abs(jumps.turn_rad)
-        yield found(
-            "POSE_JUMP",
-            where="base.path_length_m",
-            jumps=len(jumps.spans),
-            metres=size.max(),
-            degrees=np.degrees(turn).max(),
-            at=walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
-        )
-        if turn.sum() > SMALLEST_STEP_RAD:
-            degrees = np.degrees(turn.sum())
-            yield _doubted(walk, "POSE_DIRECTION", "jumps", say="jumps", degrees=degrees)
-
-
-SCALES: Final = (0.8, 1.25)
-"""Ways by poses over those by a witness that are alike: feet roll and slip."""
-UNITS: Final = {1e3: "millimetres", 1e2: "centimetres", 39.37: "inches", 3.281: "feet"}
-"""Metres in what positions may be in."""
-ASIDE_RAD: Final = np.radians(10.0)
-"""A way that is less off its witness's is as good as mountings are."""
-OTHER: Final = "another unit, or a clock that runs at another speed?"
-COURSE: Final = "its course"
-GYROSCOPE: Final = "the gyroscope"
-POINTS: Final = "contact points"
-LEGS: Final = "legs"
-LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
-"""Lean of the feet's plane that contact points tell surely."""
-FURTHEST_LEGS: Final = 5.0
-"""Lengths of a leg that no robot goes in a stride."""
-LONGEST_LEG_M: Final = 0.25
-"""m, of a robot of 1 kg; of others it grows with the cube root of their mass."""
-HEAVIEST_KG: Final = 200.0
-"""Assumed where the mass is not known."""
-FEWEST_A_STRIDE: Final = 4.0
-"""Distinct poses a stride from which they tell of attitude and height."""
-MOST_OF_LOG: Final = 0.03
-"""Share of the log that lies between two distinct poses from which its whole path is not known."""
-TURNS_RAD: Final = np.radians(20.0)
-"""A course that turns by more tells whether the orientation turns with it."""
-TURNS_WITH: Final = 0.5
-"""Least share of a witness's turn that is the same turn."""
-LEANS_RAD: Final = np.radians(5.0)
-"""An accelerometer that leans by more does not sit on a level base; mountings are as good."""
-WINDOW_S: Final = 1.0
-"""s, in place of strides where none are known."""
-UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
-MOST_RISE_M: Final = 0.1
-"""m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
-what a lean that is some degrees off makes of it."""
-MOST_RISE: Final = 0.05
-RISES: Final = 0.2
-"""Share of its height by which a base that rises steadily over its feet does not do it itself."""
-STEADY: Final = 0.9
-"""Share of the variance of the rise that a straight line explains."""
-FEWEST_STRIDES: Final = 4
-CLIMBS_M: Final = 0.05
-"""m that feet rise or fall from which poses that keep their z are planar."""
-
-
-def treadmill(walk: Walk) -> Iterator[Finding]:
-    """Yield that the ground moves below a base that rests."""
-    if walk.ground is not None:
-        yield found("TREADMILL", where="base", speed=walk.ground.speed_mps)
-
-
-def frozen(walk: Walk) -> Iterator[Finding]:
-    """Yield that one pose is repeated while the robot walks on."""
-    still = walk.frozen
-    if still is None:
-        return
-    why = "nothing else in the log tells whether the base stays where it is"
-    if still.by:
-        why = f"by {still.by} the base moves at {still.moves_mps or 0.0:.2f} m/s"
-        if still.turns_radps:
-            why += f" and turns at {still.turns_radps:.2f} rad/s"
-    cases = () if walk.base_by_feet else ("whole",) if still.whole else ("part",)
-    seconds = timespans.total(still.spans) / 1e9
-    at = walk.seconds(still.spans[:, 0])[0]
-    steps = sum(len(record.stances.touchdown) for record in walk.records)
-    yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps, why=why)
-
-
-def contradicted(walk: Walk) -> Iterator[Finding]:
-    """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
-    windows = _windows(walk)
-    comparisons = [*_comparisons(walk, windows)]
-    yield from _scale(walk, comparisons, windows)
-    yield from _direction(walk, comparisons)
-    yield from _orientation(walk, comparisons)
-    yield from _planar(walk, comparisons, windows)
-    if not (walk.settings.contact_from or walk.settings.base_from_legs):
-        yield from _climb(walk, comparisons)
-
-
-def feet_agree(walk: Walk) -> bool:
-    """Tell whether feet that stand, by their contacts, go back as the poses go ahead, or turn."""
-    surest = next(_comparisons(walk, _windows(walk)), None)
-    if surest is None or walk.witness is None or surest.by != walk.witness.by:
-        return False
-    ratio = surest.scale or 0.0
-    if surest.scale is None and surest.tells_turn:
-        own, turned = float(surest.own.turn.sum()), float(surest.reference.turn.sum())
-        ratio = own / turned if abs(turned) > TURNS_RAD else 0.0
-    return SCALES[0] <= ratio <= SCALES[1]
-
-
-def _windows(walk: Walk) -> Ints:
-    """(k, 2) ns, strides one after another while the robot walks; without any, windows."""
-    period_s = walk.period_s
-    if len(walk.poses.time) < 2:
-        return timespans.no_spans()
-    if not period_s:
-        return stride_windows(walk.poses.known, WINDOW_S)
-    return stride_windows(timespans.merge(walk.strides), period_s)
-
-
-def _comparisons(walk: Walk, windows: Ints) -> Iterator[Comparison]:
-    """Yield comparisons of the poses, the surest first."""
-    if not len(windows):
-        return
-    forward_rad, feet = walk.settings.forward_rad, walk.witness
-    own, found = motion_in(walk.poses, windows, forward_rad), []
-    may_be_odd = walk.ground is None and not walk.base_by_feet
-    if feet is not None and may_be_odd:
-        # Legs tell of the body's own axes, contact points of where fore and hind feet are.
-        reference = motion_in(feet.poses, windows, forward_rad if feet.by == LEGS else 0.0)
-        turn, heading = feet.tells_turn, feet.tells_heading
-        reach = SWINGS if walk.worlds is None else min(SWINGS, walk.worlds.spread_m)
-        compared = compare(
-            feet.by, own, reference, tells_turn=turn, tells_heading=heading, reach_m=reach
-        )
-        found.append(compared)
-    if may_be_odd:
-        found.append(compare_twist(walk.poses, windows, forward_rad))
-    turns = [(GYROSCOPE, _inertial(walk, windows)[0])]
-    if walk.period_s:
-        turns.append((COURSE, _course_turns(walk.poses, windows)))
-    for by, turned in turns:
-        reference = turn_only(turned)
-        found.append(compare(by, own, reference, tells_turn=True, tells_heading=False))
-    yield from filter(None, found)
-
-
-def _scale(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
-    """Yield that poses go further, or less far, than the feet walk or the twist tells."""
-    lengths = np.abs(motion_in(walk.track.history, windows).displacement)
-    length_m = (
-        float(median_of(lengths[np.isfinite(lengths)])) if np.isfinite(lengths).any() else 0.0
-    )
-    longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
-    surest = next((each for each in comparisons if each.scale is not None), None)
-    factor = 1.0 if surest is None or surest.scale is None else surest.scale
-    if surest is not None and not SCALES[0] <= factor <= SCALES[1]:
-        near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
-        unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
-        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=surest, unit=unit)
-    elif walk.period_s and length_m > longest:
-        yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
-
-
-def _direction(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
-    """Yield that positions go another way than the body's axes and the feet tell."""
-    surest = next((each for each in comparisons if each.direction_rad is not None), None)
-    angle = (surest and surest.direction_rad) or 0.0
-    if abs(angle) > ASIDE_RAD:
-        degrees, side = abs(np.degrees(angle)), "left" if angle > 0.0 else "right"
-        yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=surest)
-
-
-def _orientation(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
-    """Yield that the orientation does not turn although the robot does."""
-    for each in comparisons:
-        if not each.tells_turn:
-            continue
-        own, turned = float(each.own.turn.sum()), float(each.reference.turn.sum())
-        least = 2.0 * TURNS_RAD if each.by == COURSE else TURNS_RAD
-        is_odd = abs(turned) > least and own * np.sign(turned) < TURNS_WITH * abs(turned)
-        if is_odd:
-            own_deg, deg = np.degrees([own, turned]).tolist()
-            yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=each.by)
-        if is_odd or each.by in {POINTS, LEGS}:
-            return
-
-
-def _course_turns(poses: BaseHistory, windows: Ints) -> Floats:
-    """(k,) rad, by how much the course turns to each stride, beside one orientation to the bit."""
-    turns = np.full(len(windows), np.nan)
-    if not np.ptp(poses.angles, axis=0).any():
-        step = np.diff(poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2), axis=1)[:, 0]
-        rows = np.flatnonzero(np.hypot(*step.T) > CLIMBS_M)
-        course = np.unwrap(np.arctan2(step[rows, 1], step[rows, 0]))
-        turns[rows] = np.diff(course, prepend=course[:1])
-    return turns
-
-
-def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
-    """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
-    own = walk.corrected.inertial
-    if own is not None and len(windows):
-        return turns_and_up(own.time, own.vector, own.turn_rate, windows)
-    return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
-
-
-def _leans_rad(walk: Walk, windows: Ints) -> float:
-    """Return how far the accelerometer leans in a quarter of the strides or more, rad.
-
-    Where its mounting is known, from the base's upright; else from its own usual direction.
-    """
-    _, up = _inertial(walk, windows)
-    up, inertial = up[all_finite(up)], walk.recording.accelerations
-    if not len(up) or inertial is None:
-        return 0.0
-    usual, mounting = median_of(up, axis=0), walk.settings.imu_mounting
-    if mounting is not None:
-        up = rotate(np.array([mounting]), up)
-    if mounting is not None or [f.lstrip("/") for f in inertial.frames] == [walk.frames.base]:
-        usual = UPRIGHT
-    cosine = np.clip(up @ usual / np.linalg.norm(usual), -1.0, 1.0)
-    return float(percentiles_of(np.arccos(cosine), 75.0))
-
-
-def _planar(walk: Walk, comparisons: Sequence[Comparison], windows: Ints) -> Iterator[Finding]:
-    """Yield that poses are those of a plane: z, roll and pitch never change."""
-    poses = walk.poses
-    flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
-    is_walk = walk.period_s is not None and bool(len(windows))
-    if walk.base_by_feet or not is_walk or float(np.ptp(flat, axis=0).max()) > 0.0:
-        return
-    climb = next(
-        (float(each.reference.rise.sum()) for each in comparisons if each.by == POINTS), 0.0
-    )
-    slope = (walk.base and walk.base.slope_rad) or 0.0
-    while_feet = ""
-    if abs(climb) > CLIMBS_M:
-        while_feet = f", while the feet go {climb:+.2f} m up"
-    elif walk.witness is not None and slope > LEAST_SLOPE_RAD:
-        while_feet = f", while the feet's plane leans by {np.degrees(slope):.0f} degrees"
-    elif (lean := _leans_rad(walk, windows)) > LEANS_RAD:
-        while_feet = f", while the accelerometer leans by {np.degrees(lean):.0f} degrees"
-    if while_feet or poses.position[0, 2] == 0.0:
-        cases = ("contradicted",) if while_feet else ()
-        where = "base.climb_m"
-        yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
-
-
-def _climb(walk: Walk, comparisons: Sequence[Comparison]) -> Iterator[Finding]:
-    """Yield that z of the poses goes away from where the feet lift the base."""
-    feet = next((each for each in comparisons if each.by in {POINTS, LEGS}), None)
-    if feet is None:
-        return
-    rise = np.cumsum(feet.own.rise - feet.reference.rise)
-    metres, height = float(rise[-1]), walk.base and walk.base.height_m
-    if feet.by == LEGS and SCALES[0] <= (feet.scale or 0.0) <= SCALES[1]:
-        if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
-            words: Words = {"say": "legs", "metres": metres, "told": feet}
-            yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
-    elif feet.by == POINTS and height and abs(metres) > RISES * height.median:
-        # A robot that crouches, or stretches its legs, does so at once.
-        straightness = float(np.corrcoef(np.arange(feet.strides), rise)[0, 1])
-        if feet.strides >= FEWEST_STRIDES and straightness**2 >= STEADY:
-            words = {"say": "rises" if metres > 0.0 else "sinks", "metres": abs(metres)}
-            yield found("WORLDS_DIFFER", "drifts", where="base.height_m", **words)
-
-
-def rate(walk: Walk) -> Iterator[Finding]:
-    """Yield that poses are rare, or that most messages repeat the one before."""
-    poses, period_s = walk.base_history, walk.period_s
-    interval_s = poses.interval_s
-    if not len(poses.time) or not period_s or not interval_s:
-        return
-    per_stride = period_s / interval_s
-    cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
-    if interval_s > MOST_OF_LOG * float(np.ptp(poses.time)) / 1e9:
-        # Where the base goes after the last pose is not known.
-        cases = (*cases, "short")
-    if poses.repeated or cases:
-        say = "plain" if poses.repeated else "rare"
-        rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
-        yield found("POSE_REPEATED", *cases, where="base", say=say, poses=poses, rates=rates)
-
-
-def _doubted(
-    walk: Walk,
-    code: str,
-    *cases: str,
-    **values: Any,  # noqa: ANN401 - as `found` has it
-) -> Finding:
-    """Return a finding about the poses, and about the feet whose places rest on them."""
-    names = () if walk.base_by_feet else walk.feet_on_poses
-    placed = ("placed",) if names else ()
-    return found(code, *cases, *placed, where="base", feet=names, **values)

@@ -1,18 +1,19 @@
-"""Checks of what is recorded beside feet and base: velocity commands and the accelerometer."""
+"""Checks of what is recorded beside feet and base: commands, the accelerometer, frames."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from math import atan, degrees
+from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.checks.loads import origin_of_mass
 from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
+from dogbot_logtool.core.known_frames import Counts, WorldFrames
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
+from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, Words, found
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.compared import ForceComparison
+from dogbot_logtool.finding import Finding, found
 
 TILTED_DEG: Final = 5.0
 """A mounting that is less off is as good as mountings are."""
@@ -75,26 +76,92 @@ def forces(walk: Walk) -> Iterator[Finding]:
     compared = walk.imu.forces if walk.imu else None
     if compared is None or walk.settings.contact_from:
         return
-    if abs(compared.ratio - 1.0) > WEIGHT_TOLERANCE:
-        yield _odd_forces(walk, compared)
+    if abs(compared.ratio - 1.0) <= WEIGHT_TOLERANCE:
+        return
+    code, case = "IMPULSE_IS_NOT_WEIGHT", "accelerometer"
+    if compared.odd_foot is None:
+        where = "imu.forces.over_accelerometer"
+        yield found(code, case, where=where, say="accelerometer", forces=compared)
+    else:
+        row, factor = compared.odd_foot
+        feet, share = (walk.feet[row].name,), 1.0 / factor
+        yield found(code, "foot", say="foot", feet=feet, forces=compared, share=share)
 
 
-def _odd_forces(walk: Walk, forces: "ForceComparison") -> Finding:
-    """Return which of mass, feet and frame is wrong, as far as it can be told."""
-    case, code = "accelerometer", "IMPULSE_IS_NOT_WEIGHT"
-    dead = [foot.name for foot in walk.feet if foot.is_dead]
-    if dead and forces.ratio < 1.0:
-        where = f"feet.{dead[0]}"
-        names = " and ".join(dead)
-        return found(code, case, where=where, say="missing", forces=forces, names=names)
-    if forces.ratio < 1.0 and abs(forces.magnitude_ratio - 1.0) <= WEIGHT_TOLERANCE:
-        return found("DIRECTION_UNKNOWN", case, where="settings.wrench_frame", forces=forces)
-    if forces.odd_foot is not None:
-        row, factor = forces.odd_foot
-        name = walk.feet[row].name
-        return found(code, "foot", feet=(name,), forces=forces, share=1.0 / factor)
-    if forces.is_common:
-        mass, origin = walk.settings.mass_kg or 0.0, origin_of_mass(walk)
-        words: Words = {"mass": mass, "right": mass * forces.ratio, "origin": origin}
-        return found(code, case, where="settings.mass_kg", say="mass", forces=forces, **words)
-    return found(code, case, where="imu.forces.over_accelerometer", forces=forces)
+def frames_known(walk: Walk) -> Iterator[Finding]:
+    """Yield what is odd in the names of frames, and which frame the wrenches are in."""
+    yield from name_findings(walk.recording)
+    settings, seen = walk.settings, walk.frames.wrench_frame
+    if not settings.contact_from and any(foot.has_force for foot in settings.feet):
+        cases = ("unknown",) if seen.frame is WrenchFrame.UNKNOWN else ()
+        yield found("WRENCH_FRAME", *cases, say=seen.frame, evidence=_evidence(seen))
+
+
+def columns_corrected(walk: Walk) -> Iterator[Finding]:
+    """Yield what was left out, what transforms did not tell, and which plan is apart."""
+    if walk.recording.implausible:
+        yield found("NOT_FINITE", say="implausible", count=walk.recording.implausible)
+    if walk.corrected.turned is not None:
+        yield from transform_findings(*walk.corrected.turned)
+    if walk.plan_apart:
+        yield found("PLANNED", "not_compared", plan=walk.plan_apart)
+
+
+def zero_stamps(recording: Recording, settings: WalkSettings) -> frozenset[str]:
+    """Return the topics of feet and base whose header stamps are all zero."""
+    used = {*(foot.topic for foot in settings.feet), settings.odometry_topic}
+    stamps = {topic: times.stamp for topic, times in recording.topics.items() if topic in used}
+    return frozenset(
+        topic for topic, stamp in stamps.items() if stamp is not None and not stamp.any()
+    )
+
+
+def stamp_findings(recording: Recording, settings: WalkSettings) -> Iterator[Finding]:
+    """Yield which topics have no header stamps."""
+    if zeros := zero_stamps(recording, settings):
+        used = {foot.topic for foot in settings.feet} | {settings.odometry_topic or min(zeros)}
+        topics = "everywhere" if zeros >= used else "on " + ", ".join(sorted(zeros))
+        yield found("BAD_STAMPS", say="zero", topics=topics)
+
+
+def name_findings(recording: Recording) -> Iterator[Finding]:
+    """Yield what is odd in the names of frames; no viewer of today accepts a slash."""
+    names = [*recording.world_frames, *recording.base_frames]
+    slashed = [each for each in {*names, *recording.slashed_frames} if each.startswith("/")]
+    if slashed:
+        yield found("FRAME_NAMES", say="slashed", names=", ".join(sorted(slashed)))
+    if len(recording.world_frames) > 1 or len(recording.base_frames) > 1:
+        yield found("FRAME_NAMES", say="several", names=", ".join(names))
+
+
+def _evidence(seen: WrenchFrameEvidence) -> str:
+    """Return the numbers that decided the frame of the wrenches, in words."""
+    if seen.world is None:
+        if seen.frame is WrenchFrame.UNKNOWN:
+            return "too few loaded samples with normals were seen"
+        return "as their type promises"
+    text = f"as recorded, {_fit_text(seen.world)}"
+    if seen.link is not None:
+        text += f"; turned from the links' frames, {_fit_text(seen.link)}"
+    return f"{text}; {seen.samples} samples"
+
+
+def _fit_text(fit: FrameFit) -> str:
+    return (
+        f"{fit.in_cone:.0%} of the load lies within the friction cone and its sum leans "
+        f"{degrees(atan(fit.net_tilt)):.0f} degrees from the vertical"
+    )
+
+
+def transform_findings(frames: WorldFrames, counts: Counts) -> Iterator[Finding]:
+    """Yield how often the frames told what was asked of them."""
+    points, (turned, placed) = [point for point in frames.points if point], counts
+    for wanted, (done, left), what in (
+        (any(frames.links), turned, "forces"),
+        (any(point.recorded for point in points), placed, "positions"),
+        (not all(point.recorded for point in points), placed, "origins"),
+    ):
+        if wanted:
+            cases = ("none",) if not left else ("forces",) if what == "forces" else ()
+            missing = f"; transforms were missing for {left:,}" if left else ""
+            yield found("TRANSFORMS_MISSING", *cases, say=what, done=done, missing=missing)

@@ -12,14 +12,13 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.checks import base, beside, clock, frames, gait, loads, sensors
-from dogbot_logtool.core.loads import vertical_is_known
+from dogbot_logtool.core.checks import base, beside, clock, feet, poses, sensors
 from dogbot_logtool.core.metrics import Check as Question
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, sensors, gait, loads, beside, frames)
+MODULES: Final = (clock, base, poses, sensors, feet, beside)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
@@ -74,6 +73,8 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     no_points = "" if pointed else "the sensors report no contact points"
     no_forces = "" if forced else "the sensors report no forces"
     no_worlds = "" if walk.worlds else "two feet are not seen to touch near poses for a second each"
+    compared = walk.loads.vertical_impulse_over_weight is not None
+    no_weight = "" if compared else "the mass, or the vertical load of all feet, is not known"
     no_legs = "" if walk.legs else "nothing tells of the legs"
     no_stamps, one_clock, few_stamps = _clocks(walk)
     return (
@@ -85,7 +86,7 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
         ("no topic is silent for long", "", ""),
         ("contacts are where the base is", no_poses or no_points, no_worlds),
         ("the base moves as the feet step", no_feet or no_poses, ""),
-        ("the feet carry the weight", no_forces, _weight_not_compared(walk)),
+        ("the feet carry the weight", no_forces, no_weight),
         ("nothing contradicts the accelerometer", *_accelerometer(walk, no_poses)),
         ("the legs move as the feet step", no_legs, next(filter(None, odd_legs), "")),
     )
@@ -109,24 +110,13 @@ def _clocks(walk: Walk) -> tuple[str, str, str]:
     return no_stamps, one_clock, few_stamps
 
 
-def _weight_not_compared(walk: Walk) -> str:
-    if walk.loads.vertical_impulse_over_weight is not None:
-        return ""
-    if walk.settings.mass_kg is None:
-        return "the mass is not known"
-    if not all(map(vertical_is_known, walk.records)):
-        return "vertical forces are not known"
-    return "the vertical load of every foot is not known for long enough"
-
-
 def _accelerometer(walk: Walk, no_poses: str) -> tuple[str, str]:
     if not walk.settings.imu_topic:
         return "the log has no accelerometer of the base", ""
     if walk.imu is None:
         return no_poses, "accelerometer and poses are not known together for 2 s"
-    unsure = "the accelerometer does not follow the base's attitude"
-    lack = "all accelerations are zero" if walk.imu.reading == "nothing" else no_poses
-    return lack, unsure if walk.imu.reading == "unclear" else ""
+    undecided = walk.imu.reading in {"nothing", "unclear"}
+    return no_poses, "it does not follow the base's attitude" if undecided else ""
 
 
 _METRICS: Final[Mapping[str, Sequence[str]]] = {

@@ -17,7 +17,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, median_of
 from dogbot_logtool.core.base.foot_path import FootPath
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.checks.loads import direction_is_doubtful
+from dogbot_logtool.core.checks.feet import direction_is_doubtful
 from dogbot_logtool.core.contact.stances import FootTrack
 from dogbot_logtool.core.gait.feet import FootSteps, stride_curve
 from dogbot_logtool.core.gait.strides import Strides
@@ -79,7 +79,7 @@ def contradiction(
     usual = float(median_of(ranges)) if ranges else 0.0
     if usual > WIDEST:
         return f"half of the legs' joints move by {usual:.3g} rad and more"
-    strongest = max(joint.peak_effort for joint in moving if joint.has_effort)
+    strongest = max(joint.metrics.peak_effort or 0.0 for joint in moving)
     if weight_n is None or WEAKEST <= strongest / weight_n <= STRONGEST:
         return ""
     return (
@@ -92,7 +92,9 @@ def _odd_velocities(moving: Sequence[JointTrack]) -> str:
     """Say whose velocities are not those of their positions."""
     squared = np.array([joint.reported_squared for joint in moving])
     moved = np.array([joint.reported_moved for joint in moving])
-    ratios, total = _ratio(squared, moved), _ratio(squared.sum(), moved.sum())
+    # Velocities that have nothing to do with the positions are infinitely too large.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios, total = squared / moved, squared.sum() / moved.sum()
     judged = (squared > 0.0) & (squared > _MOVES_MUCH * squared.sum())
     odd = np.flatnonzero(judged & ~_fits(ratios, OF_A_JOINT_AGREE))
     if not len(odd) and (not judged.any() or _fits(total, VELOCITIES_AGREE)):
@@ -101,12 +103,6 @@ def _odd_velocities(moving: Sequence[JointTrack]) -> str:
         named = ", ".join(f"{moving[row].name} ({ratios[row]:.3g} times)" for row in odd.tolist())
         return f"velocities of some joints are not those of their positions: {named}"
     return f"velocities of joint states are {total:.3g} times those of their positions"
-
-
-def _ratio(squared: Floats, moved: Floats) -> Floats:
-    """Return the slope of velocities told over those of positions; infinite where unrelated."""
-    unrelated = moved == 0.0
-    return np.where(unrelated, np.inf, squared / np.where(unrelated, 1.0, moved))
 
 
 def _fits(ratio: Floats, factor: float) -> Flags:
@@ -270,9 +266,7 @@ def _no_work(legs: LegFigures) -> str:
     if not moving:
         return "no joint states tell of joints that move"
     if not any(joint.has_effort for joint in moving):
-        peaks = [joint.peak_effort for joint in moving if np.isfinite(joint.peak_effort)]
-        how = ("constant" if any(peaks) else "constantly zero") if peaks else "empty"
-        return f"the joint states' efforts are {how}"
+        return "the joint states' efforts are empty, zero or constant"
     of_legs = legs.settings.foot_of_joint
     lacking = [each.name for each in moving if each.name in of_legs and not each.has_effort]
     return f"joints of legs tell no effort: {', '.join(lacking)}" if lacking else ""

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of, median_of_known
 from dogbot_logtool.core.base.falls import down_spans
-from dogbot_logtool.core.checks.base import feet_agree
+from dogbot_logtool.core.checks.poses import feet_agree
 from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
@@ -18,6 +18,8 @@ from dogbot_logtool.finding import Finding, Words, found
 
 PLAIN: Final = 0.02
 """Share of the weight from which an offset is worth a finding."""
+MOVES: Final = 0.2
+"""Share of the usual load by which a level that drifts is told."""
 WHOLE_WEIGHT: Final = 0.005
 """Share of the weight by which forces that nothing cuts off may miss it."""
 FLAT: Final = 0.8
@@ -40,8 +42,9 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
         if level.reason:
             yield found("SENSOR_OFFSET", say="unknown", where=where, foot=name, why=level.reason)
             continue
-        if level.moved_n:
-            yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=level.moved_n)
+        moved_n = float(np.linalg.norm(np.ptp(level.offset, axis=0)))
+        if moved_n > MOVES * (level.loaded_n or np.inf):
+            yield found("SENSOR_OFFSET", where=where, say="moves", foot=name, newtons=moved_n)
         newtons = float(np.linalg.norm(level.offset_n))
         scale_n = weight_n or level.loaded_n
         if scale_n and newtons > PLAIN * scale_n:
@@ -202,7 +205,7 @@ FEWEST_WEIGHTS: Final = 6
 def flags_inverted(walk: Walk) -> Iterator[Finding]:
     """Yield that contact flags seem to be true in the air and false on the ground."""
     feet = [foot for foot in walk.feet if not foot.record.has_force and len(foot.touchdown)]
-    if not feet or walk.ground is not None or walk.frozen is not None:
+    if not feet or walk.ground is not None or len(walk.frozen):
         return
     why = _all_inverted(walk, feet)
     if not why:
@@ -302,20 +305,16 @@ def sampled_slowly(walk: Walk) -> Iterator[Finding]:
 def payload(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's sum changes lastingly: a load is put on, or taken off."""
     time, weight = _weights(walk)
-    # The stride in which it changes belongs to neither part.
-    rows = np.arange(FEWEST_WEIGHTS // 2 - 1, len(weight) - FEWEST_WEIGHTS // 2 + 1)
-    if not len(rows):
+    if not len(weight):
         return
-    away = weight - weight.mean()
-    total, squares = np.cumsum(away), np.cumsum(away * away)
-    rests = squares[rows - 1] - total[rows - 1] ** 2 / rows
-    rests += squares[-1] - squares[rows]
-    rests -= (total[-1] - total[rows]) ** 2 / (len(weight) - 1 - rows)
-    row = int(rows[np.argmin(rests)])
-    before, after = float(weight[:row].mean()), float(weight[row + 1 :].mean())
-    scatter = float(np.sqrt(max(rests.min(), 0.0) / max(len(weight) - 2, 1)))
+    # The stride in which it changes belongs to neither part.
+    shift = np.abs(np.cumsum(weight - weight.mean()))
+    row = FEWEST_WEIGHTS // 2 - 1 + int(shift[FEWEST_WEIGHTS // 2 - 1 : -2].argmax())
+    parts = weight[:row], weight[row + 2 :]
+    before, after = (float(each.mean()) for each in parts)
+    scatter = float(np.sqrt(np.mean(np.concatenate([parts[0] - before, parts[1] - after]) ** 2)))
     if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
-        since, load = walk.seconds(time[row : row + 1])[0], abs(after - before)
+        since, load = walk.seconds(time[row + 1 : row + 2])[0], abs(after - before)
         verb = "taken off" if after < before else "put on"
         yield found(
             "PAYLOAD", where="forces", before=before, after=after, since=since, load=load, verb=verb

@@ -8,7 +8,7 @@ drop-out, unless it is no longer than the flight of every stride.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,7 @@ NOT_THIS_FOOT: Final = 0
 """Values of `Contacts.foot_side`."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Contacts:
+class Contacts(NamedTuple):
     """Contact messages of all feet: n messages that hold s states with p points and q normals.
 
     Messages stand in log order. The states of one message keep their

@@ -73,15 +73,14 @@ class FootHistory:
     scuffs: Ints = field(default_factory=timespans.no_spans)
     """(u, 2) ns, short and light touches in swings; no stances."""
 
-    def contact_fraction(self, within: Ints | None = None) -> float | None:
+    def contact_fraction(self, within: Ints = timespans.ALWAYS) -> float | None:
         """Return time in contact over time known; None where nothing is known.
 
         Args:
-            within: (w, 2) ns, a part of the log; None: all of it.
+            within: (w, 2) ns, a part of the log.
         """
-        limits = () if within is None else (within,)
-        known = timespans.total(timespans.intersect([self.known, *limits]))
-        down = timespans.total(timespans.intersect([self.in_contact, *limits]))
+        known = timespans.total(timespans.intersect([self.known, within]))
+        down = timespans.total(timespans.intersect([self.in_contact, within]))
         return down / known if known else None
 
     def without_force(self) -> "FootHistory":
@@ -90,7 +89,7 @@ class FootHistory:
         return replace(
             self,
             has_force=False,
-            stances=replace(self.stances, figures=nothing),
+            stances=self.stances._replace(figures=nothing),
         )
 
     def stopped_in(self, spans: Ints) -> "FootHistory":
@@ -109,7 +108,7 @@ class FootHistory:
             self,
             gaps=gaps,
             known=timespans.subtract(self.known, spans),
-            stances=replace(stances, cut=cut, liftoff=liftoff).pick(kept),
+            stances=stances._replace(cut=cut, liftoff=liftoff).pick(kept),
             in_contact=timespans.subtract(self.in_contact, spans),
             stopped=spans,
         )
@@ -235,7 +234,9 @@ def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
     """
     begin, end = foot.stances.touchdown, foot.stances.liftoff
     if len(begin):
-        end = np.minimum(end, begin + int(median_of(end - begin)))
+        lasting = end - begin
+        # A float may be above the longest, and above every int64.
+        end = begin + np.minimum(lasting, min(int(median_of(lasting)), int(lasting.max())))
     middle = begin + (end - begin) // 2
     time, point = foot.track.contact_points
     if not len(begin) or not len(time):

@@ -3,7 +3,6 @@
 Impulses are running totals over every sample, so that they can be asked for between any two times.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -36,8 +35,7 @@ POINT_RATE_HZ: Final = 100.0
 """Contact points and vertical forces are compared with the base at this rate at most."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FootTrack:
+class FootTrack(NamedTuple):
     """The n samples of one foot that are used, and their running totals."""
 
     time: Ints
@@ -276,8 +274,7 @@ class StanceFigures(NamedTuple):
     """s after touchdown, the first time with at least nine tenths of it."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Stances:
+class Stances(NamedTuple):
     """Stances of one foot in order, whole ones and cut ones."""
 
     touchdown: Ints

@@ -4,7 +4,7 @@ One clock serves all feet and the base, since phases and support compare feet wi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from typing import Any, Final, NamedTuple, Protocol
 
@@ -115,8 +115,7 @@ class ClockStep(NamedTuple):
     """ns by which the stamps stepped more than log time did; negative: back."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class StampCheck:
+class StampCheck(NamedTuple):
     """The header stamps of one topic, checked."""
 
     topic: str

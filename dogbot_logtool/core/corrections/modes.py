@@ -4,8 +4,7 @@ The swing mode is narrow against the distance between both and is visited once a
 visits agree with each other. Shifting weight in a stand does not look like that.
 """
 
-from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -51,8 +50,7 @@ first, and ends above the second."""
 _BINS: Final = 128
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Modes:
+class Modes(NamedTuple):
     """Swing and stance of a foot, if the lower values are those of swing.
 
     A visit is a run of samples near one mode, without its ends: first row, and row after the last.
@@ -73,15 +71,13 @@ class Modes:
     """N, usual range of 80 % of the samples in a swing, and between one swing and the next."""
     fit: float = -np.inf
     """How well it fits that these are swing and stance."""
-    width_fit: float = 0.0
-    """The part of the fit that rests on how much narrower swing is than stance."""
     reason: str = ""
     """Why they are not clear; empty: they are."""
 
     @property
-    def rank(self) -> tuple[bool, float]:
-        """Clear modes before others, then by fit; the only swing of a log may be one."""
-        return self.reason in {"", ONCE}, self.fit
+    def is_clear(self) -> bool:
+        """Whether they may be swing and stance; the only swing of a log may be one."""
+        return self.reason in {"", ONCE}
 
 
 def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
@@ -140,8 +136,8 @@ def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
     # Sensors are usually mounted so that a load raises their value, and offsets are smaller
     # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.
     nearer_zero = max(abs(stance) / max(abs(swing), floor), 1e-9)
-    width_fit = float(np.clip(np.log2(wider), -4.0, 4.0))
-    fit = width_fit + float(np.clip(np.log2(nearer_zero), -3.0, 3.0)) + 0.5 * modes.raises
+    fit = float(np.clip(np.log2(wider), -4.0, 4.0) + np.clip(np.log2(nearer_zero), -3.0, 3.0))
+    fit += 0.5 * modes.raises
     # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
     pulls = swing < -modes.width and stance > 0.0
     plain = swing <= plain_offset * distance and (modes.raises or stance > 0.0)
@@ -152,7 +148,7 @@ def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
         reason = WIDE
     elif wider < WIDER and not plain:
         reason = ALTERNATE
-    return replace(modes, fit=fit, width_fit=width_fit, reason=reason)
+    return modes._replace(fit=fit, reason=reason)
 
 
 def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:

@@ -45,10 +45,14 @@ CLEAR_OF_NOISE: Final = 5.0
 """Least distance between both modes, in standard deviations of the noise."""
 DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
-SURE: Final = 3.0
-"""Lead in score from which it is certain which way a load turns what a sensor reads."""
-UNSURE: Final = 1.0
-"""Lead in score up to which that is not known, unless the weight tells."""
+CLEAR: Final = 1.0
+"""Lead in score from which it is told which way a load turns what a sensor reads, where swing and
+stance are clear one way only."""
+CLEARER: Final = 3.0
+"""The same where they are clear both ways."""
+SURE: Final = 6.0
+"""Lead from which that is certain, whatever the weight says."""
+TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
 AROUND: Final = 9
 """Swings around each moment whose median is the level."""
 _STRAYS: Final = 98.0
@@ -99,8 +103,6 @@ class SensorLevel:
     """N, how far the unloaded sensor strays from the offset: the inertia of a leg that swings."""
     drift_n_per_min: float | None = None
     """N a minute, towards the load; None: the swings span too short a time."""
-    moved_n: float = 0.0
-    """N, how far the offset moves in the log, where it does not stay and was followed."""
     loaded_n: float | None = None
     """N, median force above the offset while loaded; None: not known."""
     mean_n: float | None = None
@@ -124,19 +126,30 @@ class SensorLevel:
     """Why the level could not be estimated; empty where it is known."""
     lightest_n: float | None = None
     """N, magnitude that the lightest samples stay below; only where the level is not known."""
-    raises: bool = True
-    """Whether load raises what the sensor reads."""
-    fit: float = 0.0
-    """How well it fits that what is taken for swing and stance are these."""
+    lead: float = 0.0
+    """How much better swing and stance fit than if load changed readings the other way."""
     refuted: bool = False
     """Whether nothing is known although swings and stances are seen; zero cannot be assumed
     either."""
 
+    def without_offset(self, why: str) -> "SensorLevel":
+        """Return what is left of a level that cannot be right."""
+        unknown = SensorLevel()
+        return replace(
+            self,
+            knots=unknown.knots,
+            offset=unknown.offset,
+            noise_n=None,
+            drift_n_per_min=None,
+            loaded_n=None,
+            origin="default",
+            reason=why,
+            refuted=True,
+        )
+
     @property
     def offset_n(self) -> Floats:
         """(3,) N, the offset in the middle of the log."""
-        if self.moved_n:
-            return np.asarray(self.offset_at((self.knots[:1] + self.knots[-1:]) // 2)[0])
         return np.asarray(median_of(self.offset, axis=0))
 
     def offset_at(self, log_time: Ints) -> Floats:
@@ -148,14 +161,9 @@ class SensorLevel:
         return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
 
 
-Candidates = tuple[SensorLevel, ...]
-"""Levels that a foot's own samples allow: the likely one; then, where that is not sure, the one if
-load turned it the other way, known or not."""
-
-
-def estimate_levels(
+def estimate_level(
     log_time: Ints, force: Floats, plain_offset: float = PLAIN_OFFSET
-) -> Candidates:
+) -> SensorLevel:
     """Estimate offset, noise and drift of one foot's sensor from its own samples.
 
     Args:
@@ -166,22 +174,21 @@ def estimate_levels(
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
     if len(force) and (zero := zero_level(log_time, force)):
-        return (zero,)
+        return zero
     if len(force) < FEWEST_SAMPLES:
-        return (_unknown("too few samples", log_time, force),)
-    axis, runs = load_axis(force), run_numbers(log_time)
-    both = both_ways(without_spikes(force @ axis), runs, plain_offset)
-    first, second = sorted(both, key=lambda modes: modes.rank, reverse=True)
-    likely, other = (_known_level(modes, log_time, force, axis) for modes in (first, second))
+        return _unknown("too few samples", log_time, force)
+    axis = load_axis(force)
+    both = both_ways(without_spikes(force @ axis), run_numbers(log_time), plain_offset)
+    first, second = sorted(both, key=lambda modes: (modes.is_clear, modes.fit), reverse=True)
+    likely = _known_level(first, log_time, force, axis)
     if likely.reason:
-        return (likely,)
-    if not other.reason and (likely.limit_n is None) != (other.limit_n is None):
-        # What is cut off at a limit does not vary there: that says nothing of swing.
-        likely = replace(likely, fit=likely.fit - 2.0 * first.width_fit)
-    lead = likely.fit - other.fit
-    if other.reason and lead < (SURE if other.reason == ONCE else UNSURE):
-        return (other,)
-    return (other, likely) if lead < 0.0 else (likely, other)
+        return likely
+    lead = first.fit - second.fit
+    if lead >= (CLEARER if second.is_clear else CLEAR):
+        return replace(likely, lead=lead)
+    if second.reason == ONCE:
+        return _known_level(second, log_time, force, axis)
+    return likely.without_offset(TURNED)
 
 
 def zero_level(log_time: Ints, force: Floats) -> SensorLevel | None:
@@ -261,7 +268,7 @@ def _known_level(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> S
         else:
             return level
     unknown = _unknown(reason, log_time, force)
-    return replace(unknown, wobble_n=wobble_n, raises=modes.raises, fit=modes.fit)
+    return replace(unknown, wobble_n=wobble_n)
 
 
 def _unknown(reason: str, log_time: Ints, force: Floats) -> SensorLevel:
@@ -298,7 +305,7 @@ def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> Senso
     long = modes.rest[np.diff(modes.rest)[:, 0] >= _LONG_ROWS]
     wobble = percentiles_of(norms(strays(force, long)[0]), _STRAYS) if len(long) else 0.0
     swing_s = median_of(log_time[last] - log_time[first]) / (MIDDLE_SHARE * 1e9)
-    level = SensorLevel(middle, _rolling_median(levels, AROUND), raises=modes.raises, fit=modes.fit)
+    level = SensorLevel(middle, _rolling_median(levels, AROUND))
     load = (force - level.offset_at(log_time)) @ towards
     loaded = float(median_of(visit_quantiles(load, modes.stances, 0.5)))
     # Messages that are lost read zero between loaded ones.

@@ -146,8 +146,7 @@ class Leg(NamedTuple):
         return tuple(dict.fromkeys(names))
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegMotion:
+class LegMotion(NamedTuple):
     """Where the parts of a leg are at n times, in the base's frame."""
 
     leg: Leg

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -40,8 +40,7 @@ _DEEPEST: Final = 100
 """A chain of more frames is a loop."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Poses:
+class Poses(NamedTuple):
     """Poses of a frame in another one at n times."""
 
     known: Flags
@@ -52,8 +51,7 @@ class Poses:
     """(n, 4) unit quaternion x, y, z, w; NaN where not known."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FrameTrack:
+class FrameTrack(NamedTuple):
     """The recorded transforms of one child frame in its parent."""
 
     parent: str

@@ -1,9 +1,9 @@
 """When does the gait change? The time line, cut where class or stride period changes lastingly."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise, zip_longest
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -48,25 +48,20 @@ _NONE: Final = -1
 """No class: irregular, or unknown."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Segment:
+class Segment(NamedTuple):
     """A part of the log with one gait, or without steps."""
 
-    spans: Ints
-    """(n, 2) ns, without strides of another kind in between, too few to be a gait."""
+    start: int
+    """Ns. Also `end`."""
+    end: int
     gait: Gait
     """Without steps and without a name where the robot moves all the same, or is held in the air:
     no gait is claimed."""
 
     @property
-    def start(self) -> int:
-        """Ns. Also `end`."""
-        return int(self.spans[0, 0])
-
-    @property
-    def end(self) -> int:
-        """Ns."""
-        return int(self.spans[-1, 1])
+    def span(self) -> Ints:
+        """(1, 2) ns."""
+        return np.array([[self.start, self.end]])
 
     @property
     def strides(self) -> int:
@@ -104,21 +99,21 @@ def find_segments(
     fits, label = _labels(feet, walked)
     none = replace(no_gait(feet), strides=0)
     stand = replace(none, name=STAND, confidence=1.0, nearest_name=STAND, class_distance=0.0)
-    records = [foot.record for foot in feet]
-
-    def supported(gait: Gait, spans: Ints) -> Gait:
-        return with_support(gait, support(records, spans) if contacts_known else None, feet)
-
-    found = [Segment(span, supported(stand, span)) for span in standing.still[:, None]]
+    found = [Segment(begin, end, stand) for begin, end in standing.still.tolist()]
     for others in (standing.moving, standing.lifted):
-        found += [Segment(span, supported(none, span)) for span in others[:, None]]
+        found += [Segment(begin, end, none) for begin, end in others.tolist()]
     for _, rows in rows_by_group(stood):
         own = picked(walked, rows)
-        for parts in _runs(fits[rows], label[rows], own.end - own.touchdown):
-            ends = [(own.touchdown[begin], own.end[end - 1]) for begin, end in parts]
-            spans = np.array(ends, np.int64)
-            found.append(Segment(spans, _named(supported(_gait_of(feet, spans), spans), feet)))
-    return tuple(sorted(found, key=lambda segment: segment.start))
+        for begin, end in _runs(fits[rows], label[rows], own.end - own.touchdown):
+            segment = Segment(int(own.touchdown[begin]), int(own.end[end - 1]), none)
+            found.append(segment._replace(gait=_gait_of(feet, segment.span)))
+    if contacts_known:
+        records = [foot.record for foot in feet]
+        supports = [support(records, each.span) for each in found]
+        pairs = zip(found, supports, strict=True)
+        found = [each._replace(gait=with_support(each.gait, own, feet)) for each, own in pairs]
+    named = (each._replace(gait=_named(each.gait, feet)) for each in found)
+    return tuple(sorted(named, key=lambda segment: segment.start))
 
 
 def no_gait(feet: Sequence[FootSteps]) -> Gait:
@@ -184,8 +179,8 @@ def _labels(feet: Sequence[FootSteps], walked: Strides) -> tuple[Ints, Ints]:
     return fits, label
 
 
-def _runs(fits: Ints, label: Ints, period: Ints) -> list[list[_Run]]:
-    """Return the strides of each gait, in parts where too few of another kind interrupt it.
+def _runs(fits: Ints, label: Ints, period: Ints) -> list[_Run]:
+    """Return the strides of each gait; too few of another kind between them belong to it.
 
     Args:
         fits: (n,) classes of strides by themselves.
@@ -195,7 +190,7 @@ def _runs(fits: Ints, label: Ints, period: Ints) -> list[list[_Run]]:
     shorter, longer = np.minimum(period[1:], period[:-1]), np.maximum(period[1:], period[:-1])
     cut = (label[1:] != label[:-1]) | (longer > (1.0 + PERIOD_CHANGE) * shorter)
     brief = LASTING * (1.0 - PERIOD_CHANGE) * float(median_of(period))
-    found: list[list[_Run]] = []
+    found: list[_Run] = []
     for begin, border in pairwise([0, *(np.flatnonzero(cut) + 1).tolist(), len(label)]):
         # What only drifts from the class at the end of a run is no part of it.
         own = np.flatnonzero(fits[begin:border] == label[begin])
@@ -203,25 +198,18 @@ def _runs(fits: Ints, label: Ints, period: Ints) -> list[list[_Run]]:
         # One touchdown too many splits a stride into two short ones, which agree with each other.
         if end - begin < LASTING or period[begin:end].sum() < brief:
             continue
-        parts = found[-1] if found else []
-        if not parts or not _alike(label, period, parts[-1], (begin, end)):
-            found.append([(begin, end)])
-        elif begin - parts[-1][1] < LASTING:
-            parts[-1] = (parts[-1][0], end)
-        elif period[parts[-1][1] : begin].sum() < brief:
-            parts.append((begin, end))
+        first, last = found[-1] if found else (begin, begin)
+        between = begin - last < LASTING or period[last:begin].sum() < brief
+        if found and between and _alike(label, period, (first, last), (begin, end)):
+            found[-1] = (first, end)
         else:
-            found.append([(begin, end)])
+            found.append((begin, end))
     # What is too long for a transition is a run, too, however irregular.
-    found = [
-        parts
-        for parts in found
-        if label[parts[0][0]] != _NONE or parts[-1][1] - parts[0][0] > LONGEST_TRANSITION
-    ]
-    edges = [0, *(edge for parts in found for edge in (parts[0][0], parts[-1][1])), len(label)]
+    found = [run for run in found if label[run[0]] != _NONE or run[1] - run[0] > LONGEST_TRANSITION]
+    edges = [0, *(edge for run in found for edge in run), len(label)]
     rest = zip(edges[::2], edges[1::2], strict=True)
     fewest = LONGEST_TRANSITION + 1 if found else 1
-    return [*found, *([run] for run in rest if run[1] - run[0] >= fewest)]
+    return [*found, *(run for run in rest if run[1] - run[0] >= fewest)]
 
 
 def _alike(label: Ints, period: Ints, one: _Run, other: _Run) -> bool:

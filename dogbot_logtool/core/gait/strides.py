@@ -1,7 +1,7 @@
 """Strides: from each touchdown of a foot to its next one."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -81,7 +81,7 @@ def walked_stances(stances: Stances, fallen: Ints, standing: Ints) -> Stances:
         usual = float(median_of(stances.duration_s[whole]))
         stands |= stances.duration_s > max(LONGEST_STANCE_S, LONG_FOR_FOOT * usual)
     cut[whole & stands] = Cut.STANDING
-    return replace(stances, cut=cut)
+    return stances._replace(cut=cut)
 
 
 def strides_of(stances: Stances, gaps: Ints, fallen: Ints) -> tuple[Strides, dict[str, int]]:

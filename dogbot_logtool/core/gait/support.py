@@ -1,7 +1,6 @@
 """How many feet, and which, are down at a time; when the robot stands, or moves without steps."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -26,8 +25,7 @@ _STEP_S: Final = 0.25
 _WINDOW_S: Final = 2.0
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Support:
+class Support(NamedTuple):
     """Fractions of the time known to all feet."""
 
     feet_down: tuple[float, ...]
@@ -40,15 +38,15 @@ class Support:
     """(f, 2) ns, spans with no foot in contact."""
 
 
-def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support | None:
+def support(feet: Sequence[FootHistory], within: Ints = timespans.ALWAYS) -> Support | None:
     """Measure support patterns; None where there is no time known to all feet.
 
     Args:
         feet: histories of all feet.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
     """
     known = timespans.intersect([foot.known for foot in feet])
-    known = known if within is None else timespans.intersect([known, within])
+    known = timespans.intersect([known, within])
     if not timespans.total(known):
         return None
     contacts = [timespans.intersect([foot.in_contact, known]) for foot in feet]

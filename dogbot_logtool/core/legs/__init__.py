@@ -1,1 +1,1 @@
-"""Legs: swings of the feet, and motion, torque and work of the joints."""
+"""Legs: swings of the feet, motion and work of the joints, and feet and base by joints alone."""

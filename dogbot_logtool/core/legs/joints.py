@@ -1,7 +1,6 @@
 """Joints: their states as messages tell them, and what is measured of each over log and strides."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -54,8 +53,7 @@ class JointLimits(NamedTuple):
     """rad/s or m/s."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class JointTrack:
+class JointTrack(NamedTuple):
     """What is measured of a joint over a log, of n usable messages."""
 
     name: str
@@ -74,8 +72,6 @@ class JointTrack:
     has_limits: bool
     has_effort: bool
     """Whether its effort is told: not zero, and not constant while it moves."""
-    peak_effort: float
-    """N m or N, the largest magnitude; NaN: none is told."""
     reported_squared: float
     """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
     reported_moved: float
@@ -209,7 +205,6 @@ def _track(
         rate_hz=len(time) / max(known_s, 1e-9),
         has_limits=has_limits,
         has_effort=has_effort,
-        peak_effort=max(abs(lowest), abs(highest)),
         reported_squared=float(np.nansum(middle**2 * step_s)),
         reported_moved=float(np.nansum(middle * displacement + 0.0 * step_s)),
     )
@@ -238,8 +233,7 @@ def _middles(values: Floats) -> Floats:
     return middles
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegFoot:
+class LegFoot(NamedTuple):
     """The leg of a foot."""
 
     name: str
@@ -257,8 +251,7 @@ class LegFoot:
     """Whether the foot is told too rarely for velocities."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegFigures:
+class LegFigures(NamedTuple):
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 
     settings: "LegSettings"

@@ -4,7 +4,7 @@ What is drawn is what is measured. Each recorded sample has the state that conta
 it; between samples the newest one counts, as a viewer that plays the log has it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import Final, NamedTuple
 
@@ -20,6 +20,35 @@ from dogbot_logtool.core.stability import NEAR_NS
 
 TRAIL: Final = 3
 """Touchdowns of each foot that are shown."""
+
+FOOT_COLOURS: Final = ("#0072b2", "#c28200", "#009e73", "#d55e00", "#c96fa0", "#3d97cf")
+"""A colour a foot, in turn: those of Okabe and Ito, which colour-blind readers tell apart, three of
+them darker, so that lines have a contrast of 3:1 on white and on a dark page."""
+
+
+def foot_colour(row: int) -> str:
+    """Return the colour of a foot by its index."""
+    return FOOT_COLOURS[row % len(FOOT_COLOURS)]
+
+
+def colour_parts(colour: str) -> tuple[float, float, float]:
+    """Return red, green and blue in [0, 1] of a colour as ``#rrggbb``."""
+    red, green, blue = (int(colour[first : first + 2], 16) / 255.0 for first in (1, 3, 5))
+    return red, green, blue
+
+
+def short_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Return initials, ``FL`` for ``front_left``, that still tell the feet apart.
+
+    A name of one word stays; where initials would be alike, all names stay.
+    """
+    short = tuple(_initials(name) for name in names)
+    return short if len(set(short)) == len(short) else tuple(names)
+
+
+def _initials(name: str) -> str:
+    words = name.split("_")
+    return "".join(word[:1].upper() for word in words) if len(words) > 1 else name
 
 
 class LoadState(IntEnum):
@@ -43,8 +72,7 @@ class FootState(NamedTuple):
     """(n,) N, vertical force; NaN where its direction is not known."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class DrawnFoot:
+class DrawnFoot(NamedTuple):
     """The n samples of one foot, by log time, as they were measured."""
 
     number: int

@@ -15,8 +15,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.rotations import normalised, rotate
-from dogbot_logtool.core.scene.feet import TRAIL, DrawnFoot
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import TRAIL, DrawnFoot, colour_parts, foot_colour
 from dogbot_logtool.core.stability import Hulls, centre_of_pressure, hulls, margin_in
 
 SAFE_MARGIN_M: Final = 0.05

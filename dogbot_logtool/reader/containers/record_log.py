@@ -8,7 +8,6 @@ from abc import abstractmethod
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -391,7 +390,7 @@ class RecordLog(Log):
         except ChunkDamage as damage:
             raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
         content = read_content(self._format, target[:size], index, chunk, verified=bool(crc))
-        return replace(content, losses=(*losses, *content.losses))
+        return content._replace(losses=(*losses, *content.losses))
 
     def _read(self, span: Span) -> Batch:
         """See `Log.read`. A batch that is the whole log is read several times, so it is kept."""

@@ -5,7 +5,7 @@ Numbers that stand near each other in a message stay together, as rows of a stru
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +38,7 @@ def gather_bytes(buffer: Bytes, start: Ints, size: int) -> Bytes:
     return gather(buffer, start, size).view(np.uint8).reshape(len(start), size)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Texts:
+class Texts(NamedTuple):
     """Strings, as offsets into the batch's buffer."""
 
     buffer: Bytes
@@ -134,8 +133,7 @@ Rows = NDArray[np.void]
 """(n,) structured; the fields are named by their paths."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Table:
+class Table(NamedTuple):
     """Decoded fields of n messages, or n elements of an array."""
 
     rows: int

@@ -70,7 +70,7 @@ def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
     message = np.arange(table.rows)
     if paths["position"][0].is_array_of_elements:
         message = np.unique(table.nested(paths["position"][0].arrays[0].path).parent)
-    names = ("position", "orientation", "linear", "angular")
+    names = ("position", "orientation", "linear")
     values = {name: paths[name][0].first_values(table)[message] for name in names if name in paths}
     return _poses(source, messages, message, values)
 
@@ -158,7 +158,6 @@ def _poses(
         position=values["position"],
         orientation=orientation,
         linear_velocity=values.get("linear", unknown),
-        angular_velocity=values.get("angular", unknown),
     )
     worlds, bases = frames or (
         path[0].texts(messages.table)[1].encode()[1] if path else ()

@@ -1,8 +1,8 @@
 """Contact messages of a batch, read by whatever row of the table fits them."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.core.contact.contacts import Samples
@@ -70,8 +70,7 @@ def _kind(field: FootField, path: FieldPath) -> str:
     return "force"
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ReadContacts:
+class ReadContacts(NamedTuple):
     """Contact messages of one definition, and what they tell."""
 
     source: Source

@@ -7,9 +7,9 @@ text `info` alone. The new Gazebo's messages are one step each.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,7 @@ _TIME: Final = r"(?a)time:[\s\[]*(\d{1,10})\.(\d{1,9})[\s\]]*$"
 """End of `info`: seconds and nanoseconds of the physics step."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class PairStates:
+class PairStates(NamedTuple):
     """Contact states of n messages, as recorded, and which physics steps they are of."""
 
     contacts: Contacts

@@ -113,8 +113,7 @@ class MessageType(NamedTuple):
     turned: Literal["xyzw", "wxyz", "xyz", "zyx"] = "xyzw"
     """Three letters are angles of roll (x), pitch and yaw."""
     linear: str = ""
-    """m/s; also `angular`, rad/s."""
-    angular: str = ""
+    """m/s."""
     numbered: tuple[str, ...] = ()
     """Number and position of the base's joints: roll, pitch, yaw, x, y, z, counted from 0."""
     body: str = ""
@@ -168,8 +167,7 @@ WANTS: Final[Mapping[Part, Mapping[str, Want]]] = {
     "feet": {"stamp": "time", "frame": "text", "label": "text", "only": "number",
              "flag": "number", "force": "xyz", "point": "xyz", "normal": "xyz"},
     "base": {"position": "xyz", "orientation": "xyzw", "stamp": "time", "frame": "text",
-             "body": "text", "choose": "text", "numbered": "number", "linear": "xyz",
-             "angular": "xyz"},
+             "body": "text", "choose": "text", "numbered": "number", "linear": "xyz"},
     "joints": {"stamp": "time", "joint": "text", "joint_position": "number",
                "joint_velocity": "number", "joint_effort": "number"},
     "commands": {"command": "number", "stamp": "time", "frame": "text"},

@@ -69,10 +69,10 @@ _STANDARD: Final = frozenset(
 def _poses() -> Iterator[Row]:
     yield Row("nav_msgs/Odometry", position="pose.pose.position",
               orientation="pose.pose.orientation", linear="twist.twist.linear",
-              angular="twist.twist.angular", body="child_frame_id")
+              body="child_frame_id")
     for package in ("foxglove.", "foxglove_msgs/"):
         yield Row(f"{package}Odometry", **_POSE, **_FOXGLOVE, linear="linear_velocity",
-                  angular="angular_velocity", body="body_frame_id")
+                  body="body_frame_id")
         yield Row(f"{package}PoseInFrame", **_POSE, **_FOXGLOVE, anything=True)
     yield Row("geometry_msgs/PoseWithCovarianceStamped", position="pose.pose.position",
               orientation="pose.pose.orientation", anything=True)

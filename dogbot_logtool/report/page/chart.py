@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, distinct
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 

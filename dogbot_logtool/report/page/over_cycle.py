@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.legs.joints import LegFigures
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Shape
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.page.chart import Drawing, Row, Trace, area, extent_of, grid, label, line

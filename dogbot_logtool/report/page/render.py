@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.metrics import Segment, Settings, WalkMetrics
-from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
+from dogbot_logtool.core.scene.feet import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.assets import json_in_html, page_script, policy_of, rendered
 from dogbot_logtool.report.page.chart import FINE, Drawing, foot_glyph, packed, seconds

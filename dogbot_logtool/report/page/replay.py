@@ -12,7 +12,7 @@ from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
-from dogbot_logtool.core.scene.foot_style import foot_colour, short_names
+from dogbot_logtool.core.scene.feet import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import FINE, is_hind, packed, seconds, thinned
 from dogbot_logtool.report.page.over_time import MINOR, MOST_SHOWN

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.report.tables import nice_step
@@ -31,11 +31,11 @@ def default_window(walk: Walk) -> tuple[float, float]:
     main, whole = walk.main, (walk.end - walk.origin) / 1e9
     if main is None:
         return 0.0, min(whole, WITHOUT_STRIDES_S)
-    start, end = walk.seconds(main.spans[0])
+    start, end = walk.seconds(main.span[0])
     if not main.gait.stride_frequency_hz:
         return start, min(end, start + WITHOUT_STRIDES_S)
     length = STRIDES_SHOWN / main.gait.stride_frequency_hz
-    touchdowns = walk.feet[walk.reference].strides.within(main.spans).touchdown
+    touchdowns = walk.feet[walk.reference].strides.within(main.span).touchdown
     earliest = [each for each in walk.seconds(touchdowns) if each + length <= end]
     # With too few strides for a window of that length, what there is is shown.
     otherwise = max(min(start, whole - length), 0.0)

@@ -66,15 +66,11 @@ class ProgressBars:
 
     def lost(self, number: int) -> None:
         """Say that the process that worked on a log died."""
-        what = "the process that worked on it died; it is tried once more"
-        self.say(f"{self._names[number]}: {what}")
-
-    def say(self, sentence: str) -> None:
-        """Say what a user should know at once."""
         from dogbot_logtool.report.text.console import diagnostics, print_note  # noqa: PLC0415
 
+        what = "the process that worked on it died; it is tried once more"
         if self._visible:
-            print_note(diagnostics(), sentence)
+            print_note(diagnostics(), f"{self._names[number]}: {what}")
 
     def _count(self) -> str:
         return f"{len(self._finished)} of {len(self._names)} logs"

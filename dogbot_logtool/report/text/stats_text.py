@@ -14,7 +14,7 @@ from rich.text import Text
 
 from dogbot_logtool.core.metrics import Segment, WalkMetrics
 from dogbot_logtool.core.records import METRICS, MetricPath
-from dogbot_logtool.core.scene.foot_style import foot_colour
+from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.finding import Finding, Severity, counted
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.reader.containers.loss import Damage

@@ -9,9 +9,9 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.estimated.estimate import Estimate, estimate, placed_by_legs
-from dogbot_logtool.core.estimated.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.frames.kinematics import Leg
+from dogbot_logtool.core.legs.estimate import Estimate, estimate, placed_by_legs
+from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.core.settings import WalkSettings
@@ -168,7 +168,7 @@ def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
     if not set(described.values()).isdisjoint(recorded) or len(set(short.values())) < len(short):
         return recording
     tables = (
-        replace(table, names=tuple(described.get(short[name], name) for name in table.names))
+        table._replace(names=tuple(described.get(short[name], name) for name in table.names))
         for table in recording.joints
     )
     return replace(recording, joints=tuple(tables))

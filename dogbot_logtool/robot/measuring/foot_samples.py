@@ -17,7 +17,7 @@ from dogbot_logtool.core.arrays import Floats, concatenated, nearest_rows, norms
 from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_levels
+from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
@@ -168,7 +168,7 @@ def _level(samples: Samples) -> SensorLevel:
         # A mode that is a count or two narrower than the other must not pass for the unloaded one.
         low, high = percentiles_of(force[:, 2], [5.0, 95.0])
         force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
-    return estimate_levels(samples.log_time, force, _UNLOADED)[0]
+    return estimate_level(samples.log_time, force, _UNLOADED)
 
 
 def _counted(samples: Samples, offset: float, on_counts: float | None) -> Samples:

@@ -1,6 +1,6 @@
 """Which of a log's messages tell of its legs, joints and frames, and where feet are."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
@@ -10,11 +10,11 @@ from dogbot_logtool.core.legs.swings import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import leg_of, name_feet
-from dogbot_logtool.robot.robot_model.skeleton import place_of_foot
+from dogbot_logtool.robot.names import leg_of
+from dogbot_logtool.robot.robot_model.skeleton import leg_chains, named_frames
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
+from dogbot_logtool.robot.words import ENDS, Part, parts_of, words_of
 
 
 def find_legs(
@@ -31,14 +31,14 @@ def find_legs(
     measured = {name for each in recording.joints for name in each.names}
     joints = {joint.child: joint for joint in robot.joints} if robot and measured else {}
     left_out = robot.left_out if robot else 0
-    chains = _chains(selection, probe, {child: joint.parent for child, joint in joints.items()})
+    chains = leg_chains(selection, probe, {child: joint.parent for child, joint in joints.items()})
     moved = [_moved(chain, joints) for chain in chains]
     lacking = [[name for name in names if name not in measured] for names in moved]
     known = [bool(names) and not missing for names, missing in zip(moved, lacking, strict=True)]
     chains = [chain if kept else None for chain, kept in zip(chains, known, strict=True)]
     by_joints = any(chains)
     if not by_joints:
-        found = _chains(selection, probe, probe.parent_of)
+        found = leg_chains(selection, probe, probe.parent_of)
         chains = [chain if chain and _moves(chain, probe) else None for chain in found]
     if not any(chains) and not recording.joints:
         return None
@@ -84,47 +84,6 @@ def _why_not(
         return "no frame is known to be its own"
     reason = f"nothing connects its frame {link} with {probe.base}"
     return f"{reason}; {left_out_text(left_out)}" if left_out else reason
-
-
-def _chains(
-    selection: Selection, probe: KnownFrames, parents: Mapping[str, str]
-) -> list[LegChain | None]:
-    """Return how feet hang on the base by the parents of frames.
-
-    Each does by its own frame, or by one that is named so.
-    """
-    feet, chains = selection.robot.feet, list[LegChain | None]()
-    named = named_frames(feet, parents)
-    for number, foot in enumerate(feet):
-        frame, point = place_of_foot(selection, probe, number) or (None, None)
-        if frame and point:
-            places = [(frame, point, foot.frame is None or any(point))]
-        else:
-            origin = (0.0, 0.0, 0.0)
-            places = [(each, origin, False) for each in (named.get(number), frame) if each]
-        found = (
-            LegChain(frames, probe.base.lstrip("/"), point, touches)
-            for frame, point, touches in places
-            if (frames := chain_of_frames(parents, frame, probe.base))
-        )
-        chains.append(next(found, None))
-    return chains
-
-
-def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
-    """Return the frame of each foot among frames that are named like the feet of all legs.
-
-    A frame of the sole comes before others, which may as well be at the ankle or the knee.
-    """
-    names = list(frames)
-    soles = [name for name in names if texts_of(name) & SOLES]
-    found, _ = name_feet(soles, contacts_only=False)
-    found = found or name_feet(names, contacts_only=False)[0]
-    if found is None or found.part is not Part.FOOT:
-        return {}
-    named = {each.leg_position or each.name: each.topic for each in found.feet}
-    keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
-    return {number: named[key] for number, key in enumerate(keys) if key in named}
 
 
 def _feet_of_joints(

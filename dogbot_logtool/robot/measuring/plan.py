@@ -1,7 +1,7 @@
 """The plan of `stats`: which topics are read, and what is known of them before they are."""
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from dogbot_logtool.core.analysis import FindLegs
 from dogbot_logtool.core.base.poses import scaled
@@ -37,8 +37,7 @@ _OF_ROBOT: Final = (
 _FRAMES: Final = {"world": WrenchFrame.WORLD, "link": WrenchFrame.LINK}
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class MeasuringPlan:
+class MeasuringPlan(NamedTuple):
     """What is read of a log."""
 
     selection: Selection
@@ -154,8 +153,7 @@ def _time_source(selection: Selection) -> tuple[TimeSource | None, str]:
     return None, ""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Prepared:
+class Prepared(NamedTuple):
     """A recording with all that is known of it before it is measured."""
 
     recording: Recording

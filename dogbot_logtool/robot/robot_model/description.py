@@ -128,7 +128,7 @@ def robot_description(
     """
     urdf = None if options.urdf is None else read_urdf(options.urdf)
     frames = walk.frames
-    shape, bones = robot_shape(selection, frames), skeleton(selection, frames)
+    shape, bones = robot_shape(walk), skeleton(selection, frames, {})
     joints = _moved_joints(model, walk) if model else ()
     hips = None
     if shape.hips and not (bones.legs or joints):

@@ -14,7 +14,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.rotations import roll_pitch_yaw
-from dogbot_logtool.core.scene.foot_style import colour_parts, foot_colour
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.skeleton import RobotShape, Skeleton, body_size_m
 
@@ -38,7 +38,7 @@ def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str
         shape: which axis points forward, and where legs without frames are assumed to begin.
     """
     robot = ET.Element("robot", name=described.name)
-    materials = {foot: f"foot {described.feet[foot].name}" for foot in frames.feet}
+    materials = {foot: f"foot {described.feet[foot].name}" for foot in frames.legs}
     colours = _COLOURS | {name: foot_colour(foot) for foot, name in materials.items()}
     for material, colour in colours.items():
         element = ET.SubElement(robot, "material", name=material)
@@ -60,7 +60,8 @@ def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str
         track = frames.frames[frame]
         _add_limb(links[track.parent], track.translation[0], radius)
         _add_visual(links[frame], "limb", "sphere", radius=[radius])
-    for foot, (frame, point) in frames.feet.items():
+    for foot, (frame, *_) in frames.legs.items():
+        point = frames.soles[foot]
         _add_limb(links[frame], point, radius)
         _add_visual(links[frame], materials[foot], "sphere", point, radius=[1.6 * radius])
     for child, track in frames.frames.items():
@@ -100,7 +101,7 @@ def _limb_radius(frames: Skeleton) -> float:
     """Return the radius of limbs, m, by the length of the longest leg."""
     lengths = [
         sum(hypot(*frames.frames[frame].translation[0]) for frame in leg[:-1])
-        + hypot(*frames.feet[foot][1])
+        + hypot(*frames.soles[foot])
         for foot, leg in frames.legs.items()
     ]
     return min(max(_THICKNESS * max(lengths, default=0.5), _THINNEST_M), _THICKEST_M)

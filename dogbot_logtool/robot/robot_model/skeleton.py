@@ -1,18 +1,20 @@
 """What a log's frames tell of its robot: those below the base, feet, shape, and limbs over time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
-from dogbot_logtool.core.base.axes import nearest_axis
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
+from dogbot_logtool.core.legs.swings import LegChain
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.robot.robot import Robot
+from dogbot_logtool.reader.foot import Foot
+from dogbot_logtool.robot.names import name_feet
 from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.words import SOLES, Part, texts_of
 
 _INSIDE: Final = 0.75
 """Hips over feet: how much nearer to the middle of the body they are assumed to be."""
@@ -24,8 +26,6 @@ _GRID_M: Final = 0.02
 """m, to which points of soles are rounded: a picture needs no more."""
 MOST_FRAMES: Final = 64
 """Frames of a robot that are followed."""
-Places = Mapping[int, tuple[str, Point]]
-"""The frame of each foot and where it touches the ground, m in that frame, by its index."""
 
 
 class Skeleton(NamedTuple):
@@ -34,16 +34,10 @@ class Skeleton(NamedTuple):
     base: str
     frames: Mapping[str, FrameTrack]
     """By name, parents before children."""
-    feet: Places
-    """Those whose frames are among the frames."""
-
-    @property
-    def legs(self) -> dict[int, tuple[str, ...]]:
-        """The frames from that of a foot up to the child of the base, by foot."""
-        parents = {child: track.parent for child, track in self.frames.items()}
-        of_feet = {foot: frame for foot, (frame, _) in self.feet.items()}
-        chains = {foot: chain_of_frames(parents, at, self.base) for foot, at in of_feet.items()}
-        return {foot: chain for foot, chain in chains.items() if chain}
+    legs: Mapping[int, tuple[str, ...]]
+    """The frames from that of a foot up to the child of the base, by foot, where they are known."""
+    soles: Mapping[int, Point]
+    """m, where these feet touch the ground in their frames."""
 
     @property
     def limbs(self) -> list[str]:
@@ -65,16 +59,26 @@ class RobotShape(NamedTuple):
     """Length of the body, or its height above the feet if that is more."""
 
 
-def skeleton(selection: Selection, probe: KnownFrames) -> Skeleton:
-    """Return the frames of a log that hang below the base; those with two parents do not."""
-    parents, base = probe.parent_of, probe.base
-    known = probe.tracks(parents)
+def skeleton(selection: Selection, probe: KnownFrames, links: Mapping[str, FrameTrack]) -> Skeleton:
+    """Return the frames of a log that hang below the base; those with two parents do not.
+
+    Args:
+        selection: the robot's feet.
+        probe: the frames that the log's transforms place.
+        links: those that joint states place.
+    """
+    base, known = probe.base, {**links, **probe.tracks(probe.parent_of)}
+    parents = {child: track.parent for child, track in known.items()}
     chains = {child: chain_of_frames(parents, child, base) or () for child in known}
     below = sorted((len(chain), child) for child, chain in chains.items() if chain)
     frames = {child: known[child] for _, child in below}
-    places = _places(selection, probe).items()
-    feet = {foot: place for foot, place in places if place[0] in {base, *frames}}
-    return Skeleton(base, frames, feet)
+    legs, soles = dict[int, tuple[str, ...]](), dict[int, Point]()
+    for number, leg in enumerate(leg_chains(selection, probe, parents)):
+        if leg is not None:
+            is_given = selection.robot.feet[number].frame is not None
+            legs[number] = leg.frames
+            soles[number] = leg.point if is_given else _rounded(leg.point)
+    return Skeleton(base, frames, legs, soles)
 
 
 def _rounded(point: Point) -> Point:
@@ -82,17 +86,47 @@ def _rounded(point: Point) -> Point:
     return x, y, z
 
 
-def _places(selection: Selection, probe: KnownFrames) -> Places:
-    """Return the frames and points of the feet whose frames are known."""
-    places = {}
-    for number, foot in enumerate(selection.robot.feet):
-        if place := place_of_foot(selection, probe, number):
-            frame, point = place[0], place[1] or _ORIGIN
-            places[number] = frame, point if foot.frame is not None else _rounded(point)
-    return places
+def leg_chains(
+    selection: Selection, probe: KnownFrames, parents: Mapping[str, str]
+) -> list[LegChain | None]:
+    """Return how feet hang on the base by the parents of frames.
+
+    Each does by its own frame, or by one that is named so.
+    """
+    feet, chains = selection.robot.feet, list[LegChain | None]()
+    named = named_frames(feet, parents)
+    for number, foot in enumerate(feet):
+        frame, point = _place_of_foot(selection, probe, number) or (None, None)
+        if frame and point:
+            places = [(frame, point, foot.frame is None or any(point))]
+        else:
+            places = [(each, _ORIGIN, False) for each in (named.get(number), frame) if each]
+        found = (
+            LegChain(frames, probe.base.lstrip("/"), point, touches)
+            for frame, point, touches in places
+            if (frames := chain_of_frames(parents, frame, probe.base))
+        )
+        chains.append(next(found, None))
+    return chains
 
 
-def place_of_foot(
+def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
+    """Return the frame of each foot among frames that are named like the feet of all legs.
+
+    A frame of the sole comes before others, which may as well be at the ankle or the knee.
+    """
+    names = list(frames)
+    soles = [name for name in names if texts_of(name) & SOLES]
+    found, _ = name_feet(soles, contacts_only=False)
+    found = found or name_feet(names, contacts_only=False)[0]
+    if found is None or found.part is not Part.FOOT:
+        return {}
+    named = {each.leg_position or each.name: each.topic for each in found.feet}
+    keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
+    return {number: named[key] for number, key in enumerate(keys) if key in named}
+
+
+def _place_of_foot(
     selection: Selection, probe: KnownFrames, number: int
 ) -> tuple[str, Point | None] | None:
     """Return the frame of a foot and where it touches, m in that frame; None: not known.
@@ -112,31 +146,16 @@ def place_of_foot(
     return None
 
 
-def robot_shape(selection: Selection, probe: KnownFrames) -> RobotShape:
+def robot_shape(walk: Walk) -> RobotShape:
     """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
-    robot = selection.robot
-    stances = {foot: _rounded(point) for foot, point in probe.stances.items()}
-    length = height = body_size_m(robot.mass_kg)[0]
+    stances = {foot: _rounded(point) for foot, point in walk.frames.stances.items()}
+    length = height = body_size_m(walk.settings.mass_kg)[0]
     if stances:
         points = np.array(list(stances.values()))
         height = max(-float(median_of(points[:, 2])), 0.0) or length
         length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
     hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
-    axis = _axis_by_feet(robot, stances) if selection.robot_is_guessed else None
-    return RobotShape(axis or robot.forward_axis, hips, height, max(length, height))
-
-
-def _axis_by_feet(robot: Robot, stances: Mapping[int, Point]) -> str | None:
-    """Return the axis from hind to fore feet; None: their positions are not known."""
-    ends: dict[str, list[Point]] = {"front": [], "back": []}
-    for number, point in stances.items():
-        position = robot.feet[number].leg_position
-        if position is not None and position[0] in ends:
-            ends[position[0]].append(point)
-    if not all(ends.values()):
-        return None
-    fore, hind = (np.mean(points, axis=0) for points in ends.values())
-    return nearest_axis((fore - hind)[:2])
+    return RobotShape(walk.settings.forward_axis, hips, height, max(length, height))
 
 
 def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
@@ -166,29 +185,21 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
         selection: the robot's feet.
         time: (n,) ns on the walk's clock, increasing.
     """
-    probe, links = walk.frames, walk.legs.links if walk.legs else {}
-    known = skeleton(selection, probe)
-    tracks = {**links, **known.frames}
-    parents = {child: track.parent for child, track in tracks.items()}
-    moved = [child for child in links if child not in known.frames and not links[child].static]
-    drawn = [
-        frame
-        for frame in (*known.limbs, *moved)
-        if chain_of_frames(parents, frame, probe.base) is not None
-    ]
+    known = skeleton(selection, walk.frames, walk.legs.links if walk.legs else {})
+    drawn, base = known.limbs, known.base
     if not drawn or len(drawn) > MOST_FRAMES:
         return None
-    places = _places(selection, probe).items()
-    feet = {foot: place for foot, place in places if place[0] in parents}
+    parents = {child: track.parent for child, track in known.frames.items()}
+    feet = {foot: (frames[0], known.soles[foot]) for foot, frames in known.legs.items()}
     points: list[Floats] = []
     for frame, point in (*((frame, _ORIGIN) for frame in drawn), *feet.values()):
-        pose = lookup(tracks, frame, probe.base, time, _recorded(tracks, frame, time))
+        pose = lookup(known.frames, frame, base, time, _recorded(known.frames, frame, time))
         points.append(pose.translation + rotate(pose.rotation, np.array([point])))
     above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in feet.values())]
     sole = {foot: len(drawn) + index for index, foot in enumerate(feet)}
     return Limbs(
         np.stack(points, axis=1).astype(np.float32),
-        tuple(_nearest(drawn, parents, probe.base, frame) for frame in above),
+        tuple(_nearest(drawn, parents, base, frame) for frame in above),
         tuple(sole.get(foot) for foot in range(len(selection.robot.feet))),
     )
 

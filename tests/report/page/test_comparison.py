@@ -81,21 +81,6 @@ def test_curves_of_both_sides_are_laid_over_each_other(measured: dict[str, Figur
         assert (np.diff(line[:, 0]) > 0.0).all()
 
 
-def test_stances_are_bars_in_the_stride(measured: dict[str, Figures]) -> None:
-    html = page(measured["trot"], measured["<shorter>"])
-    for side, duty in (("first", 0.6), ("second", 0.55)):
-        bars = re.findall(rf'<rect class="{side}" x="(.*?)" y="(.*?)" width="(.*?)"', html)
-        rows: dict[str, list[tuple[float, float]]] = {}
-        for x, y, width in bars:
-            rows.setdefault(y, []).append((float(x), float(width)))
-        assert len(rows) == 4
-        for row in rows.values():
-            assert sum(width for _, width in row) == pytest.approx(640.0 * duty, rel=0.02)
-        # The right fore foot comes down half a stride after the left one.
-        begins = [row[0][0] for row in rows.values()]
-        assert begins[1] - begins[0] == pytest.approx(320.0, abs=4.0)
-
-
 def test_what_is_not_known_is_left_out(measured: dict[str, Figures]) -> None:
     blind: dict[str, Any] = copy.deepcopy(measured["trot"].json)
     for foot in blind["feet"].values():

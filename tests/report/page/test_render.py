@@ -18,6 +18,8 @@ from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
+from dogbot_logtool.report.page.tables import outliers
+from dogbot_logtool.report.text.gait_diagram import default_window
 from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, TROUBLED
@@ -74,14 +76,14 @@ def test_the_page_loads_nothing_and_has_each_id_once() -> None:
 def test_texts_of_a_log_stay_texts() -> None:
     walk = measured(TROT).walk
     names = {foot.name: f"{HOSTILE}{row}" for row, foot in enumerate(walk.feet)}
-    feet = tuple(replace(foot, name=names[foot.name], topic=HOSTILE) for foot in walk.feet)
+    feet = tuple(foot._replace(name=names[foot.name], topic=HOSTILE) for foot in walk.feet)
     assert walk.main is not None
     gait = walk.main.gait
     phase = {names[name]: each for name, each in gait.phase.items()}
-    main = replace(walk.main, gait=replace(gait, phase=phase))
+    main = walk.main._replace(gait=replace(gait, phase=phase))
     topics = tuple(topic._replace(topic=HOSTILE) for topic in walk.corrected.topics)
     html = page_of(
-        replace(walk, feet=feet, corrected=replace(walk.corrected, topics=topics), main=main),
+        replace(walk, feet=feet, corrected=walk.corrected._replace(topics=topics), main=main),
         100,
         path=f"a/{HOSTILE.replace('/', '')}",
         damage=Damage(HOSTILE, (Loss(1, HOSTILE, 2),)),
@@ -199,9 +201,14 @@ SPIKES = np.arange(30.0, 1490.0, 61.7)
 
 def test_a_page_of_a_long_log_is_small_and_has_every_peak(tmp_path: Path) -> None:
     log = write_log(spiked(STEPS.recorded(25.0, 5.0)), tmp_path / "log.mcap")
-    html = page(measure(log, MeasureOptions()), 0)
+    done = measure(log, MeasureOptions())
+    html = page(done, 0)
     assert len(html) < 2.5 * MB
     shown = drawings(html)
+    start_s, end_s = default_window(done.walk)
+    time = numbers(trace(shown["loads"], "left |F|")["x"])
+    near = time[(time > start_s) & (time < end_s)]
+    assert np.diff(near).max() == pytest.approx(0.04, abs=1e-3)
     for side in ("left", "right"):
         force = numbers(trace(shown["loads"], f"{side} |F|")["y"])
         peaks = np.sort(force[force > 499.5])
@@ -219,6 +226,21 @@ def test_a_page_says_what_its_log_lacks(tmp_path: Path) -> None:
     html = page(measure(log, MeasureOptions()), 0)
     assert not drawings(html).keys() & {"gait", "loads"}
     assert b"no contacts that could be used" in html
+
+
+@pytest.mark.parametrize(
+    ("values", "marks"),
+    [
+        ([0.50, 0.51, 0.49, 0.50, 0.52, 0.48, 0.51, 0.49, 0.8, 0.2], {8: 1, 9: -1}),
+        # One sample more is no event in an even walk, whose durations have no spread.
+        ([0.300] * 20 + [0.304], {}),
+        ([0.0] * 20 + [0.03], {20: 1}),
+        ([1.0, 1.0, 1.0, 50.0], {}),
+    ],
+)
+def test_strides_far_from_the_others_are_marked(values: list[float], marks: dict[int, int]) -> None:
+    found, _ = outliers(np.array(values))
+    assert {row: mark for row, mark in enumerate(found.tolist()) if mark} == marks
 
 
 def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:

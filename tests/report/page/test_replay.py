@@ -19,9 +19,8 @@ from tests.measured import LogFacts, measurement_of
 from tests.paths import TROT
 from tests.report.page.page_data import numbers
 from tests.truth import physics
-from tests.truth.free_walker import KEPT_S, trot
-
-MB = 1_000_000
+from tests.truth.free_walker import trot
+from tests.truth.physics import KEPT_S
 
 
 @cache
@@ -107,11 +106,10 @@ def test_without_frames_lines_lead_to_the_feet_and_unknown_feet_are_below_the_ba
     assert not plain["schematic"]
     no_points = np.empty(0, np.int64), np.empty((0, 3))
     nowhere = tuple(
-        replace(
-            foot,
+        foot._replace(
             record=replace(
                 foot.record,
-                track=replace(foot.record.track, contact_points=no_points),
+                track=foot.record.track._replace(contact_points=no_points),
             ),
         )
         for foot in stats.feet

@@ -1,7 +1,7 @@
 """Content of a decompressed chunk: which records found in it are kept, and what is lost."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,8 +33,7 @@ class ChunkDamage(Exception):  # noqa: N818 - it never reaches a user; `Loss` do
         self.messages = messages
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ChunkContent:
+class ChunkContent(NamedTuple):
     """What a container's own code finds in a decompressed chunk."""
 
     messages: Messages

@@ -8,7 +8,7 @@ another; behind a damaged one the search goes on at the next sound one.
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,8 +50,7 @@ class Records(Messages):
         return Messages(*(getattr(self, column.name) for column in fields(Messages)))
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Index:
+class Index(NamedTuple):
     """A chunk's index of its messages, in the order of their offsets."""
 
     offset: Ints

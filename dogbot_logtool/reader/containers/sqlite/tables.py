@@ -2,8 +2,7 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -119,8 +118,7 @@ def small_rows(
             return
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Values:
+class Values(NamedTuple):
     """One column of n records."""
 
     kind: Ints

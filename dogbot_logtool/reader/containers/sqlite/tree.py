@@ -1,8 +1,7 @@
 """The pages and cells of a table: a tree whose leaves hold the records."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -65,8 +64,7 @@ class Damage:
         return Loss(offset, what, len(pages) * page_size, None, *around)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Cells:
+class Cells(NamedTuple):
     """Rows of a table as they stand in some of its leaf pages."""
 
     buffer: Bytes
@@ -267,7 +265,7 @@ def with_overflow(pages: Pages, cells: Cells) -> Cells:
         _scatter(buffer, target[piece], content, np.arange(len(piece)) * pages.size + 4, each)
     start, whole = cells.start.copy(), cells.held.copy()
     start[spilt], whole[spilt] = begin, np.where(complete, cells.size[spilt], 0)
-    return replace(cells, buffer=buffer, start=start, held=whole)
+    return cells._replace(buffer=buffer, start=start, held=whole)
 
 
 def _scatter(target: Bytes, to: Ints, source: Bytes, start: Ints, size: int) -> None:

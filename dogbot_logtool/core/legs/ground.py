@@ -10,8 +10,7 @@ on the foot (Featherstone 2008); solved for f.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -45,8 +44,7 @@ FEWEST: Final = 20
 """Joint states at least."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LegJoints:
+class LegJoints(NamedTuple):
     """The k joints of all legs at n times."""
 
     names: tuple[str, ...]
@@ -167,8 +165,7 @@ EDGE: Final = 0.2
 """Share of a contact at either end in which the foot may not rest yet, or any more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Ground:
+class Ground(NamedTuple):
     """What the feet tell of the ground below."""
 
     resting: Flags

@@ -1,8 +1,8 @@
 """Feet without sensors and a base without poses: what the joints of the legs tell of both."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -15,13 +15,21 @@ from dogbot_logtool.core.arrays import (
     median_of,
     nearest_rows,
 )
-from dogbot_logtool.core.base.attitude import LONG_S, Inertial, by_attitude, inertial_at, level
-from dogbot_logtool.core.base.leg_odometry import LegOdometry, dead_reckoned, leg_odometry
+from dogbot_logtool.core.base.leg_odometry import (
+    LONG_S,
+    Inertial,
+    LegOdometry,
+    dead_reckoned,
+    inertial_at,
+    leg_odometry,
+    level,
+)
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contact_rule import find_stances, rows_in_stances
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import advancing
-from dogbot_logtool.core.estimated.ground import (
+from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
+from dogbot_logtool.core.legs.ground import (
     FEWEST,
     SLOWEST_S,
     Ground,
@@ -35,7 +43,6 @@ from dogbot_logtool.core.estimated.ground import (
     slopes,
     stuck_joint,
 )
-from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -56,8 +63,7 @@ TURNS_S: Final = 0.1
 """s before and after a time, over which turns by the feet are averaged."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Estimate:
+class Estimate(NamedTuple):
     """What legs tell."""
 
     feet: tuple[Samples, ...]
@@ -137,8 +143,7 @@ def estimate(
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class _Resting:
+class _Resting(NamedTuple):
     """Which feet rest on the ground, by how they and the base move."""
 
     time: Ints
@@ -192,7 +197,7 @@ def _turned_by_feet(feet: _Resting) -> _Resting:
         turn = feet.inertial.turn.copy()
         turn[:, 2] = np.convolve(padded, np.ones(around) / around, "valid")
         ground = resting_feet(seconds, feet.points, feet.velocity, turn, feet.inertial.up)
-        feet = replace(feet, inertial=replace(feet.inertial, turn=turn), ground=ground)
+        feet = feet._replace(inertial=feet.inertial._replace(turn=turn), ground=ground)
         standing = ground.resting
     return feet
 
@@ -218,7 +223,7 @@ def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
 
 
 def _contradiction(feet: _Resting, turns_from: str) -> str:
-    """Say how the turns that something tells contradict the feet; empty: they do not."""
+    """Say how turns that something tells and those of the feet differ; empty: they do not."""
     low = low_feet((feet.time - feet.time[0]) / 1e9, feet.points, feet.inertial.up)
     by_feet = leg_odometry(feet.time, feet.points, low).turn_rate[:, 2]
     known = np.isfinite(by_feet)
@@ -227,11 +232,14 @@ def _contradiction(feet: _Resting, turns_from: str) -> str:
     turns = float(feet.inertial.yaw_rate[1:][known].mean()), float(by_feet[known].mean())
     if abs(turns[0] - turns[1]) <= max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
         return ""
-    return f"{turns[0]:.2f} rad/s of {turns_from} contradict {turns[1]:.2f} of the standing feet"
+    return (
+        f"turns by {turns_from}, {turns[0]:.2f} rad/s in the mean, and by the standing feet, "
+        f"{turns[1]:.2f} rad/s, contradict each other"
+    )
 
 
 def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
-    """Return how the base leans and turns, and by what: its inertial unit, its poses, its feet.
+    """Return how the base leans and turns, and by what: its inertial unit, or its feet.
 
     Args:
         recording: the columns of a log.
@@ -249,13 +257,7 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
             seconds = (times[rows] - joints.time[0]) / 1e9
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
             return inertial_at(joints.seconds, seconds, felt, turn, GRAVITY_MPS2), "a gyroscope"
-    angles = base_history(recording.base, joints.clock).angles_at(joints.time)
-    known = np.flatnonzero(all_finite(angles))
-    if not len(known):
-        return level(len(angles), GRAVITY_MPS2), _BY_FEET
-    row = np.arange(len(angles))
-    filled = np.stack([np.interp(row, known, each[known]) for each in angles.T], axis=1)
-    return by_attitude(joints.seconds, filled, GRAVITY_MPS2), "its poses"
+    return level(len(joints.time), GRAVITY_MPS2), _BY_FEET
 
 
 def _forces(
@@ -266,11 +268,8 @@ def _forces(
     mass_kg: float | None,
 ) -> tuple[Floats | None, str]:
     """Return (n, f, 3) N along the base's axes; None, and why, where efforts tell none."""
-    if not np.isfinite(joints.effort).all():
-        some = np.isfinite(joints.effort).any()
-        return None, "some joints tell no effort" if some else "efforts are empty"
-    if not joints.effort.any():
-        return None, "efforts are constantly zero"
+    if not (np.isfinite(joints.effort).all() and joints.effort.any()):
+        return None, "efforts are empty or zero"
     efforts = [joints.effort[:, joints.columns(each.leg.measured)] for each in motions]
     force = ground_forces(joints.seconds, motions, points, efforts, inertial.felt)
     vertical = np.einsum("nfi,ni->nf", force, inertial.up)
@@ -297,13 +296,13 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
         moved = feet.odometry(middles(standing))
     yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
-    moved = replace(moved, turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
+    moved = moved._replace(turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
     own = inertial.felt - GRAVITY_MPS2 * inertial.up
     found = dead_reckoned(moved, inertial.roll_pitch, own)
     position = found.position.copy()
     position[:, 2] = _height(seconds, feet.points, standing, inertial.up)
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
-    return Odometry(joints.log_time, joints.stamp, position, turned, rate, inertial.turn)
+    return Odometry(joints.log_time, joints.stamp, position, turned, rate)
 
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:

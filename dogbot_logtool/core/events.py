@@ -19,7 +19,7 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.base.poses import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.events.event import EventType, in_order
+from dogbot_logtool.core.event import EventType, in_order
 from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
 from dogbot_logtool.core.gait.segments import PERIOD_CHANGE, Segment
 from dogbot_logtool.core.loads import LARGEST_FOOT_M, is_stuck
