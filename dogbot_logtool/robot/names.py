@@ -160,7 +160,7 @@ def name_feet(
     for topic, words in names.items():
         template = tuple((word.segment, word.slot or word.text) for word in words)
         groups.setdefault(template, {})[topic] = words
-    sets = [one for group in groups.values() for one in _sets(group, contacts_only=contacts_only)]
+    sets = [one for group in groups.values() for one in _sets(group)]
     possible = [one for one in sets if one.may_be_feet(contacts_only=contacts_only)]
     possible.sort(key=lambda one: (one.rank, -len(one.feet)))
     rest = names.keys() - {topic for one in sets for topic in one.topics}
@@ -174,7 +174,7 @@ def name_feet(
 # --- siblings ------------------------------------------------------------------------------------
 
 
-def _sets(group: Group, *, contacts_only: bool) -> Iterator[FootSet]:
+def _sets(group: Group) -> Iterator[FootSet]:
     """Yield siblings as sets of feet; more than one set where they are of several robots."""
     differ = _that_differ(group.values())
     kind, legs = _read_legs(group, differ)
@@ -192,13 +192,11 @@ def _sets(group: Group, *, contacts_only: bool) -> Iterator[FootSet]:
         for topic, words in own.items():
             parts.setdefault(tuple(words[at].text for at in others), {})[topic] = words
     is_grid = len(of_leg) > 1 and all(len(part) == len(of_leg) for part in parts.values())
-    if kind != "numbers" and is_grid and _are_places(group, legs, others):
-        several = _as_feet(group, legs, kind, [part for _, part in sorted(parts.items())])
-        if several.is_clear(contacts_only=contacts_only):
-            yield several
-            return
+    if is_grid and _are_places(group, legs, others):
+        yield _as_feet(group, legs, kind, [part for _, part in sorted(parts.items())])
+        return
     for part in parts.values() if len(parts) > 1 else ():
-        yield from _sets(part, contacts_only=contacts_only)
+        yield from _sets(part)
 
 
 def _that_differ(names: Iterable[Words]) -> list[int]:
@@ -245,7 +243,7 @@ def _as_feet(
         tuple(feet),
         kind,
         Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN),
-        frozenset(word.text for word in near if not (sensors and word.slot)),
+        frozenset(word.text for word in near),
         letters_only=all(words[at].text in LETTERS for at in slots),
         doubtful=doubtful,
     )
@@ -314,12 +312,12 @@ def _corner(words: Words, differ: Sequence[int]) -> _Leg | None:
         return None
     segments = {(at + step, words[at].segment) for at in slots for step in (-1, 1)}
     beside = {at for at in halves if (at, words[at].segment) in segments}
-    for own in (slots, sorted(beside.union(slots))):
-        end, side = position = _end_and_side(words[at].text for at in own)
-        if end and side:
-            order = ORDER.index(end), ORDER.index(side)
-            return _Leg(f"{end}_{side}", order, tuple(own), position)
-    return None
+    own = sorted(beside.union(slots))
+    end, side = position = _end_and_side(words[at].text for at in own)
+    if not (end and side):
+        return None
+    order = ORDER.index(end), ORDER.index(side)
+    return _Leg(f"{end}_{side}", order, tuple(own), position)
 
 
 def _of_row(words: Words, differ: Sequence[int]) -> _Leg | None:
@@ -345,8 +343,8 @@ def _of_row(words: Words, differ: Sequence[int]) -> _Leg | None:
 
 
 def _numbered(words: Words, differ: Sequence[int]) -> _Leg | None:
-    """Read a word as the number of a leg, or its letter: ``leg_1``, ``leg/1``, ``leg_a``."""
-    if len(differ) != 1 or words[differ[0]].slot not in {"number", "row"}:
+    """Read a word as the number of a leg: ``leg_1``, ``leg/1``."""
+    if len(differ) != 1 or words[differ[0]].slot != "number":
         return None
     word = words[differ[0]]
     beside = [one for one in words if one.segment == word.segment and one is not word]

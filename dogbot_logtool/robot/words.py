@@ -102,7 +102,6 @@ _WHOLE: Final = {
 _SLOTS: Final[Mapping[str, str]] = {
     **_by_word(
         {
-            "row": "a b c d e f g h",
             "place": "ball heel in inner inside lateral medial out outer outside toe",
             "side": "left right",
             "l or r": "l r",

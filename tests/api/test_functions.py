@@ -131,7 +131,9 @@ def test_frames_gaits_pages_and_figures(tmp_path: Path) -> None:
     ]
     words = run("report", TROT, "--no-replay", "-o", tmp_path / "words.html", "--jobs", 3, "--json")
     assert json.loads(words.stdout)["bytes"] == (tmp_path / "words.html").stat().st_size
-    run("stats", TROT, "--figure", tmp_path / "words.svg", "-q")
+    figure = run("stats", TROT, "--figure", tmp_path / "words.svg", "--jobs", 3, "--json")
+    assert json.loads(figure.stdout)["gait"]["name"] == "trot"
+    assert re.search(r"words.svg: \d\.\d\d to \d\.\d\d s", figure.stderr)
     walk = walk_of(TROT)
     walk.report(tmp_path / "keywords.html", replay=False)
     start, end = walk.plot(tmp_path / "keywords.svg")

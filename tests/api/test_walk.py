@@ -16,7 +16,7 @@ from dogbot_logtool.api.table import Table
 from dogbot_logtool.errors import LogtoolError
 from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
-from tests.oracles.recorded import ODOMETRY, contact_topic, decoded_log
+from tests.oracles.recorded import contact_topic, decoded_log
 from tests.oracles.ros1_logs import mixed_contacts, write_bag
 from tests.paths import TROUBLED, WALK
 
@@ -88,14 +88,6 @@ def test_a_stance_with_a_gap_is_cut_and_a_dead_foot_is_unknown() -> None:
     assert set(troubled.samples("back_left")["state"]) == {"unknown"}
 
 
-def test_the_base_is_where_odometry_says(walk: dl.Walk) -> None:
-    messages = [each.message for each in decoded_log(WALK)[ODOMETRY]]
-    time = [stamp_s(each, walk.start_ns) for each in messages]
-    x = [each.pose.pose.position.x for each in messages]
-    assert np.isin(walk.base["time_s"], time).all()
-    assert walk.base["x_m"] == pytest.approx(np.interp(walk.base["time_s"], time, x))
-
-
 def test_a_wrong_foot_lists_those_that_exist(walk: dl.Walk) -> None:
     with pytest.raises(dl.CallError, match="'left' is no foot of this robot; it has front_left"):
         walk.samples("left")
@@ -120,14 +112,6 @@ def test_curves_pass_through_what_was_recorded(walk: dl.Walk) -> None:
         for percent in (0, 10, 37, 80, 95, 100):
             at = start + period * percent / 100
             assert curve[percent] == pytest.approx(np.interp(at, time, vertical), abs=1e-6)
-
-
-def test_the_usual_curve_is_that_of_the_figures(walk: dl.Walk) -> None:
-    figure = walk.stats["feet"][FOOT]["vertical_over_stride_n"]
-    curves = walk.curves(FOOT, points=51)
-    assert curves["percent"].tolist() == figure["percent"]
-    difference = np.median(curves["force_z_n"], axis=0) - figure["median"]
-    assert np.abs(difference).mean() < 5.0
 
 
 # --- Tables ---------------------------------------------------------------------------------------

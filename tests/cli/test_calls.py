@@ -1,7 +1,6 @@
 """Calls as users type them: exit code, the first line of stderr, and what stdout says."""
 
 import shlex
-from pathlib import Path
 
 import click
 import pytest
@@ -14,7 +13,7 @@ from dogbot_logtool.option import options_of
 from dogbot_logtool.options import COMMANDS, CommonOptions, record_of
 from tests.oracles.recorded import TEXT_TYPE, S
 from tests.oracles.ros1_logs import text, write_ros1_mcap
-from tests.oracles.small_logs import first_seconds, odometry_log
+from tests.oracles.small_logs import first_seconds
 from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Shell
@@ -177,11 +176,3 @@ def test_a_bad_log_does_not_stop_the_others(shell: Shell) -> None:
     assert done.code == 2
     assert [bool(one.get("error")) for one in done.json] == [False, True, False]
     assert done.err == "error: 1 of 3 logs could not be done\n  nothing.bag  no such file\n"
-
-
-def test_damage_is_said_first_and_exits_with_3(shell: Shell) -> None:
-    log: Path = odometry_log(shell.folder / "log.mcap", "/odom", cut=1)
-    done = shell("convert", log, "-o", "x.mcap", "--json", "-q")
-    assert (done.code, done.json["damage"]["messages"]) == (3, 1)
-    assert done.err.startswith("damage: ")
-    assert shell.files() == ["log.mcap", "x.mcap"]

@@ -4,7 +4,6 @@ import csv
 import io
 import json
 import os
-import re
 import stat
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -13,10 +12,10 @@ import numpy as np
 import pyarrow.feather
 import pyarrow.parquet as pq
 import pytest
-from mcap.reader import make_reader
 
 from dogbot_logtool.report.page.assets import shared_name
 from tests.measured import walk_of
+from tests.oracles.annotated_file import read_written
 from tests.oracles.small_logs import first_seconds, odometry_log
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Outcome, Shell
@@ -26,15 +25,6 @@ TROTS = '[[rule]]\nfigure = "gait.name"\nequals = "trot"\nname = "it trots"\n'
 
 def short() -> Path:
     return first_seconds(TROT, 4.0)
-
-
-def counts_of(path: Path) -> dict[str, int]:
-    with path.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    assert summary.statistics is not None
-    counts = summary.statistics.channel_message_counts
-    return {summary.channels[number].topic: count for number, count in counts.items()}
 
 
 def test_convert_says_what_it_wrote(shell: Shell) -> None:
@@ -49,7 +39,7 @@ def test_convert_says_what_it_wrote(shell: Shell) -> None:
     assert (told["input"], told["output"], told["style"]) == (str(TROUBLED), "x.mcap", "force")
     assert told["topics"]["odometry"] == ["/dogbot/odom"]
     assert told["messages"] == {"read": 3659, "copied": 3659}
-    counts = counts_of(shell.folder / "x.mcap")
+    counts = read_written(shell.folder / "x.mcap").topics
     assert told["annotations"] == {topic: counts[topic] for topic in told["annotations"]}
     assert sum(counts.values()) == 3659 + sum(told["annotations"].values())
     assert told["skipped"]["bad_poses"] == 1
@@ -65,18 +55,6 @@ def test_the_input_is_never_the_output(shell: Shell) -> None:
         assert done.code == 2
         assert "is the input itself" in done.err
     assert log.read_bytes() == WALK.read_bytes()
-
-
-def test_a_figure_is_the_same_for_any_jobs(shell: Shell) -> None:
-    words = ("stats", WALK, "--figure", "walk.svg", "--start", 2, "--end", 6)
-    done = shell(*words, "--json")
-    assert (done.code, done.json["gait"]["name"]) == (0, "walk")
-    assert re.search(r"walk.svg: \d\.\d\d to \d\.\d\d s", done.err)
-    first = (shell.folder / "walk.svg").read_bytes()
-    assert "--overwrite" in shell(*words).err
-    again = shell(*words, "--overwrite", "--jobs", 3, "-q")
-    assert (again.code, again.err) == (0, "")
-    assert (shell.folder / "walk.svg").read_bytes() == first
 
 
 def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: Shell) -> None:

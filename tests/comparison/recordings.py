@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
-from google.protobuf.descriptor import FileDescriptor
-from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from mcap.writer import Writer
+from mcap_protobuf.schema import build_file_descriptor_set
 
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.comparison.outcome import Comparison, Tally
@@ -114,22 +113,12 @@ def odometry(
     return ros(version).bytes_of(ODOMETRY, message)
 
 
-def file_set(file: FileDescriptor, *, last_first: bool = False) -> bytes:
-    files: dict[str, FileDescriptor] = {}
-
-    def visit(one: FileDescriptor) -> None:
-        for dependency in one.dependencies:
-            visit(dependency)
-        files.setdefault(one.name, one)
-
-    visit(file)
-    result = FileDescriptorSet()
-    for one in reversed(files.values()) if last_first else files.values():
-        one.CopyToProto(result.file.add())
-    return result.SerializeToString()
-
-
-SCENE = Kind("protobuf", "foxglove.SceneUpdate", "protobuf", file_set(SceneUpdate.DESCRIPTOR.file))
+SCENE = Kind(
+    "protobuf",
+    "foxglove.SceneUpdate",
+    "protobuf",
+    build_file_descriptor_set(SceneUpdate).SerializeToString(),
+)
 JSON = Kind("json", "Load", "jsonschema", b'{"type": "object"}')
 RAW = Kind("cbor", "Thing", "cddl", b"thing = any")
 
@@ -145,19 +134,15 @@ def scene(z: float = 0.0213, *, sign: float = 1.0, entity: str = "front_left") -
     return data
 
 
-def odometry_with_height(version: int, z: float) -> bytes:
-    return odometry(version, (1.0, 2.0, z))
-
-
-def load_with_force(z: float) -> bytes:
+def load(z: float) -> bytes:
     return json.dumps({"force": [z], "in_contact": True}).encode()
 
 
 WITH_NUMBER: Mapping[str, tuple[Kind, Callable[[float], bytes], str]] = {
-    "ros1": (ros_kind(1), lambda z: odometry_with_height(1, z), "pose.pose.position.z"),
-    "cdr": (ros_kind(2), lambda z: odometry_with_height(2, z), "pose.pose.position.z"),
+    "ros1": (ros_kind(1), lambda z: odometry(1, (1.0, 2.0, z)), "pose.pose.position.z"),
+    "cdr": (ros_kind(2), lambda z: odometry(2, (1.0, 2.0, z)), "pose.pose.position.z"),
     "protobuf": (SCENE, scene, "entities[0].arrows[0].pose.position.z"),
-    "json": (JSON, load_with_force, "force[0]"),
+    "json": (JSON, load, "force[0]"),
 }
 """By encoding: a kind of message, one with a given number in it, and where the number is."""
 
@@ -179,7 +164,7 @@ def mixed(count: int = 50) -> Recording:
             ("/odom", i, odometry(1, (float(i), 0.0, 0.0))),
             ("/scene", i, scene(i / 7)),
             ("/scene", i, scene(i / 9)),
-            ("/load", i + 1, load_with_force(i / 3)),
+            ("/load", i + 1, load(i / 3)),
             ("/raw", 2 * i, bytes(range(i % 7))),
         )
     ]

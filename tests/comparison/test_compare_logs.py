@@ -19,7 +19,6 @@ from dogbot_logtool.options.compare import CompareOptions
 from tests.comparison.recordings import (
     JSON,
     RAW,
-    SCENE,
     START,
     UNINDEXED,
     WITH_NUMBER,
@@ -32,7 +31,6 @@ from tests.comparison.recordings import (
     one_topic,
     recording,
     ros_kind,
-    scene,
     tally,
 )
 
@@ -89,12 +87,6 @@ def ros(*messages: bytes) -> Recording:
     return one_topic(ros_kind(1), *messages)
 
 
-def scenes(last: int, z: float) -> Recording:
-    early = (("/s", time, scene()) for time in range(9))
-    return recording({"/s": SCENE}, *early, ("/s", last, scene(z)))
-
-
-Z = "entities[0].arrows[0].pose.position.z"
 ODD_NAN = struct.unpack("<d", struct.pack("<Q", 0xFFF8000000000123))[0]
 FIVE = [(time, "1") for time in range(5)]
 THREE = json_log((0, '{"x": 1, "h": {"s": 1}}'), topics="/a /b /c")

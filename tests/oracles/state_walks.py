@@ -55,7 +55,6 @@ FLAGS_ONLY: Final = (
     "quadropted_msgs/msg/RobotFootContact",
 )
 WITH_POINTS: Final = (*KINDS[:6], *RAW, *KINDS[-3:-1])
-IN_WORLD: Final = tuple(kind for kind in KINDS[:7] if not kind.startswith("anymal"))
 UNITREE: Final = ("front_right", "front_left", "back_right", "back_left")
 """The order of feet of Unitree's robots, and of others."""
 PLANNED: Final = (KINDS[0], KINDS[1], "ocs2_msgs/msg/mpc_observation")

@@ -18,7 +18,7 @@ CALF: Final = np.arange(12) == 2
 
 
 def measure(robot: Physics, **options: Any) -> dl.Walk:
-    return physics.measured(robot, **{"by_transforms": True, **options})
+    return physics.measured(robot, **{"by_transforms": True, "every": 2, **options})
 
 
 def named(*first: str) -> Physics:
@@ -38,9 +38,9 @@ BY_JOINTS: Final = {"by_transforms": False}
         (lambda q, v, e: (q, np.where(CALF, -v, v), e), "positions: FL_calf_joint (-"),
         (lambda q, v, e: (q, v, e / 8.0), "times that of the forces on the feet"),
         (lambda q, v, e: (q, v, 1e3 * e), "which is no torque in N m"),
-        (lambda q, v, e: (q, v, np.full_like(e, 1.5)), "efforts are constant"),
+        (lambda q, v, e: (q, v, np.full_like(e, 1.5)), "efforts are empty, zero or constant"),
         (lambda q, v, e: (q, v, np.where(CALF, 1.5, e)), "tell no effort: FL_calf_joint"),
-        (lambda q, v, e: (q, v, np.full_like(e, np.nan)), "efforts are empty"),
+        (lambda q, v, e: (q, v, np.full_like(e, np.nan)), "efforts are empty, zero or constant"),
     ],
 )  # fmt: skip
 def test_work_is_null_where_numbers_are_no_torques_and_speeds(change: Any, cause: str) -> None:

@@ -106,8 +106,8 @@ def test_trot_by_torques(tmp_path: Path) -> None:
 
 
 FAULTS: Final[Mapping[str, tuple[Change, str]]] = {
-    "empty": (no_efforts, "efforts are empty"),
-    "zero": (lambda p, v, e: (p, v, 0.0 * e), "efforts are constantly zero"),
+    "empty": (no_efforts, "efforts are empty or zero"),
+    "zero": (lambda p, v, e: (p, v, 0.0 * e), "efforts are empty or zero"),
     "turned": (lambda p, v, e: (p, v, -e), "wrong sign"),
     "amperes": (lambda p, v, e: (p, v, e / 0.4), "no torques in N m"),
     "one leg turned": (

@@ -231,30 +231,6 @@ def level(times: int, gravity_mps2: float) -> Inertial:
     return Inertial(np.zeros((times, 3)), gravity_mps2 * up, up, tells_up=False)
 
 
-def by_attitude(seconds: Floats, angles: Floats, gravity_mps2: float) -> Inertial:
-    """Return what an inertial unit would read of a base that moves evenly.
-
-    Args:
-        seconds: (n,) s.
-        angles: (n, 3) rad, roll, pitch and unwrapped yaw.
-        gravity_mps2: m/s^2.
-    """
-    roll, pitch, _ = angles.T
-    rates = np.gradient(angles, seconds, axis=0)
-    turn = np.stack(
-        [
-            rates[:, 0] - rates[:, 2] * np.sin(pitch),
-            rates[:, 1] * np.cos(roll) + rates[:, 2] * np.sin(roll) * np.cos(pitch),
-            rates[:, 2] * np.cos(roll) * np.cos(pitch) - rates[:, 1] * np.sin(roll),
-        ],
-        axis=1,
-    )
-    up = np.stack(
-        [-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)], axis=1
-    )
-    return Inertial(turn, gravity_mps2 * up, up, tells_up=True)
-
-
 def inertial_at(
     at: Floats, seconds: Floats, acceleration: Floats, turn: Floats, gravity_mps2: float
 ) -> Inertial:

@@ -79,7 +79,7 @@ def contradiction(
     usual = float(median_of(ranges)) if ranges else 0.0
     if usual > WIDEST:
         return f"half of the legs' joints move by {usual:.3g} rad and more"
-    strongest = max(joint.peak_effort for joint in moving if joint.has_effort)
+    strongest = max(joint.metrics.peak_effort or 0.0 for joint in moving)
     if weight_n is None or WEAKEST <= strongest / weight_n <= STRONGEST:
         return ""
     return (
@@ -266,9 +266,7 @@ def _no_work(legs: LegFigures) -> str:
     if not moving:
         return "no joint states tell of joints that move"
     if not any(joint.has_effort for joint in moving):
-        peaks = [joint.peak_effort for joint in moving if np.isfinite(joint.peak_effort)]
-        how = ("constant" if any(peaks) else "constantly zero") if peaks else "empty"
-        return f"the joint states' efforts are {how}"
+        return "the joint states' efforts are empty, zero or constant"
     of_legs = legs.settings.foot_of_joint
     lacking = [each.name for each in moving if each.name in of_legs and not each.has_effort]
     return f"joints of legs tell no effort: {', '.join(lacking)}" if lacking else ""

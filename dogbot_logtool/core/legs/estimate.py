@@ -19,7 +19,6 @@ from dogbot_logtool.core.base.leg_odometry import (
     LONG_S,
     Inertial,
     LegOdometry,
-    by_attitude,
     dead_reckoned,
     inertial_at,
     leg_odometry,
@@ -240,7 +239,7 @@ def _contradiction(feet: _Resting, turns_from: str) -> str:
 
 
 def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
-    """Return how the base leans and turns, and by what: its inertial unit, its poses, its feet.
+    """Return how the base leans and turns, and by what: its inertial unit, or its feet.
 
     Args:
         recording: the columns of a log.
@@ -258,13 +257,7 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
             seconds = (times[rows] - joints.time[0]) / 1e9
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
             return inertial_at(joints.seconds, seconds, felt, turn, GRAVITY_MPS2), "a gyroscope"
-    angles = base_history(recording.base, joints.clock).angles_at(joints.time)
-    known = np.flatnonzero(all_finite(angles))
-    if not len(known):
-        return level(len(angles), GRAVITY_MPS2), _BY_FEET
-    row = np.arange(len(angles))
-    filled = np.stack([np.interp(row, known, each[known]) for each in angles.T], axis=1)
-    return by_attitude(joints.seconds, filled, GRAVITY_MPS2), "its poses"
+    return level(len(joints.time), GRAVITY_MPS2), _BY_FEET
 
 
 def _forces(
@@ -275,11 +268,8 @@ def _forces(
     mass_kg: float | None,
 ) -> tuple[Floats | None, str]:
     """Return (n, f, 3) N along the base's axes; None, and why, where efforts tell none."""
-    if not np.isfinite(joints.effort).all():
-        some = np.isfinite(joints.effort).any()
-        return None, "some joints tell no effort" if some else "efforts are empty"
-    if not joints.effort.any():
-        return None, "efforts are constantly zero"
+    if not (np.isfinite(joints.effort).all() and joints.effort.any()):
+        return None, "efforts are empty or zero"
     efforts = [joints.effort[:, joints.columns(each.leg.measured)] for each in motions]
     force = ground_forces(joints.seconds, motions, points, efforts, inertial.felt)
     vertical = np.einsum("nfi,ni->nf", force, inertial.up)

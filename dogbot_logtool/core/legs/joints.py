@@ -72,8 +72,6 @@ class JointTrack(NamedTuple):
     has_limits: bool
     has_effort: bool
     """Whether its effort is told: not zero, and not constant while it moves."""
-    peak_effort: float
-    """N m or N, the largest magnitude; NaN: none is told."""
     reported_squared: float
     """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
     reported_moved: float
@@ -207,7 +205,6 @@ def _track(
         rate_hz=len(time) / max(known_s, 1e-9),
         has_limits=has_limits,
         has_effort=has_effort,
-        peak_effort=max(abs(lowest), abs(highest)),
         reported_squared=float(np.nansum(middle**2 * step_s)),
         reported_moved=float(np.nansum(middle * displacement + 0.0 * step_s)),
     )

@@ -19,6 +19,7 @@ from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
 from dogbot_logtool.report.page.tables import outliers
+from dogbot_logtool.report.text.gait_diagram import default_window
 from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, TROUBLED
@@ -200,9 +201,14 @@ SPIKES = np.arange(30.0, 1490.0, 61.7)
 
 def test_a_page_of_a_long_log_is_small_and_has_every_peak(tmp_path: Path) -> None:
     log = write_log(spiked(STEPS.recorded(25.0, 5.0)), tmp_path / "log.mcap")
-    html = page(measure(log, MeasureOptions()), 0)
+    done = measure(log, MeasureOptions())
+    html = page(done, 0)
     assert len(html) < 2.5 * MB
     shown = drawings(html)
+    start_s, end_s = default_window(done.walk)
+    time = numbers(trace(shown["loads"], "left |F|")["x"])
+    near = time[(time > start_s) & (time < end_s)]
+    assert np.diff(near).max() == pytest.approx(0.04, abs=1e-3)
     for side in ("left", "right"):
         force = numbers(trace(shown["loads"], f"{side} |F|")["y"])
         peaks = np.sort(force[force > 499.5])

@@ -22,8 +22,6 @@ from tests.truth import physics
 from tests.truth.free_walker import trot
 from tests.truth.physics import KEPT_S
 
-MB = 1_000_000
-
 
 @cache
 def measured() -> Measurement:
