@@ -151,7 +151,7 @@ def vertical_is_known(foot: FootHistory) -> bool:
     return loaded > 0 and timespans.total(unknown) <= (1.0 - ENOUGH) * loaded
 
 
-def vertical_impulse_ns(foot: FootHistory, within: Ints | None = None) -> float | None:
+def vertical_impulse_ns(foot: FootHistory, within: Ints) -> float | None:
     """Return the integral of a foot's vertical force over the time known, N s.
 
     Trapezoid over real sample times, gaps left out. None where the direction of the force is not
@@ -159,14 +159,13 @@ def vertical_impulse_ns(foot: FootHistory, within: Ints | None = None) -> float 
 
     Args:
         foot: its history.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
     """
     if timespans.total(foot.known) == 0 or not foot.has_force:
         return None
     if timespans.total(foot.in_contact) and not vertical_is_known(foot):
         return None
-    known = foot.vertical_known
-    spans = known if within is None else timespans.intersect([known, within])
+    spans = timespans.intersect([foot.vertical_known, within])
     return float(foot.track.vertical_impulse.within(spans)[0])
 
 
@@ -193,7 +192,7 @@ def loads_of(
     feet: Sequence[FootHistory],
     body_weight_n: float | None,
     strides: Ints,
-    within: Ints | None = None,
+    within: Ints = timespans.ALWAYS,
     *,
     mass_is_assumed: bool = False,
     lacks_feet: bool = False,
@@ -209,7 +208,7 @@ def loads_of(
         body_weight_n: N, from the robot's mass; None: not known.
         strides: (s, 2) ns, strides of one foot; without any, all known time counts, and of feet
             that step there are no shares.
-        within: (w, 2) ns, a segment; its strides are given. None: the whole log.
+        within: (w, 2) ns, a segment; its strides are given.
         mass_is_assumed: whether the weight is that of a robot that was only guessed.
         lacks_feet: whether the robot has other feet, too.
     """
@@ -218,8 +217,7 @@ def loads_of(
     spans = whole_strides(strides, feet, vertical=vertical)
     over_strides = len(spans) > 0
     if not over_strides:
-        spans = _known_to_all(feet, vertical=vertical)
-        spans = spans if within is None else timespans.intersect([spans, within])
+        spans = timespans.intersect([_known_to_all(feet, vertical=vertical), within])
     seconds = timespans.total(spans) / 1e9
     tracks = [foot.track for foot in feet]
     magnitude = [float(track.force_impulse.within(spans)[0]) for track in tracks]

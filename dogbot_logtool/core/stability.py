@@ -137,20 +137,20 @@ class Instants(NamedTuple):
 
 
 def stability(
-    found: Instants, within: Ints | None = None, *, vertical_known: bool, height_known: bool = True
+    found: Instants, within: Ints, *, vertical_known: bool, height_known: bool
 ) -> Stability | None:
     """Measure static stability; each instant speaks for the same part of the known time.
 
     Args:
         found: base and feet.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
         vertical_known: whether vertical forces are known; else there is no centre of pressure.
         height_known: whether the base's height over the feet is known.
 
     Returns:
         None without any instant.
     """
-    spans = found.extent if within is None else within
+    spans = timespans.intersect([found.extent, within])
     rows = timespans.covers(spans, found.time)
     if not rows.any():
         return None

@@ -4,10 +4,14 @@ Spans are an (n, 2) int64 array of start and end, ns, sorted, disjoint, each hal
 """
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, flagged_runs
+
+ALWAYS: Final = np.array([[-(1 << 62), 1 << 62]])
+"""The span of a whole log."""
 
 
 def no_spans() -> Ints:

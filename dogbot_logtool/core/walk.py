@@ -198,7 +198,7 @@ class Walk:
         """Return the support pattern; where one foot's state is not known, none is."""
         return support(self.records) if self.contacts_known else None
 
-    def stability_in(self, within: Ints | None = None) -> Stability | None:
+    def stability_in(self, within: Ints = timespans.ALWAYS) -> Stability | None:
         """Return the stability, where base and feet are on one clock and in one world."""
         if self.instants is None:
             return None
@@ -214,11 +214,9 @@ class Walk:
         spans = [foot.strides.spans for foot in self.feet]
         return next(filter(len, spans), timespans.no_spans())
 
-    def loads_in(self, within: Ints | None = None) -> WalkLoads:
+    def loads_in(self, within: Ints = timespans.ALWAYS) -> WalkLoads:
         """Return the loads of all feet over whole strides of the first foot that has any."""
-        strides = self.strides
-        if within is not None:
-            strides = strides[timespans.covers(within, strides.sum(axis=1) // 2)]
+        strides = self.strides[timespans.covers(within, self.strides.sum(axis=1) // 2)]
         return loads_of(
             self.records,
             self.settings.body_weight_n,

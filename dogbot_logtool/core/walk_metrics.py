@@ -34,12 +34,18 @@ def metrics_of(walk: Walk, log: metrics.Log, findings: Sequence[Finding]) -> met
     """
     track = walk.command_track
     no_commands = replace(unknown(metrics.Commands), topic=walk.settings.command_topic or None)
+    groups = _of_span(walk, timespans.ALWAYS)
+    for row, (name, foot) in enumerate(groups["feet"].items()):
+        plan = walk.planned[row] if walk.planned else None
+        height = None if walk.legs is None else walk.legs.feet[row].height
+        planned = None if plan is None else plan.metrics
+        groups["feet"][name] = replace(foot, height_over_stride_m=height, planned=planned)
     measured = metrics.WalkMetrics(
         schema_version=metrics.SCHEMA_VERSION,
         log=log,
         settings=_settings(walk, findings),
         gait=_gait(walk),
-        **_of_span(walk),
+        **groups,
         legs=unknown(metrics.Legs) if walk.legs is None else walk.legs.metrics,
         commands=no_commands if track is None else track.metrics(),
         imu=unknown(metrics.Imu) if walk.imu is None else walk.imu.metrics,
@@ -73,27 +79,17 @@ def _gait(walk: Walk) -> metrics.GaitOfLog:
     )
 
 
-def _of_span(walk: Walk, within: Ints | None = None) -> dict[str, Any]:
+def _of_span(walk: Walk, within: Ints) -> dict[str, Any]:
     """Return what is measured of the whole log and, with the same names, of each segment."""
-    base, loads, stability = walk.base, walk.loads, walk.stability
     feet = {
         foot.name: foot_metrics(foot, walk.loads.weight_n, walk.origin, within)
         for foot in walk.feet
     }
-    if within is not None:
-        base, loads = walk.base_in(within), walk.loads_in(within)
-        stability = walk.stability_in(within)
-    else:
-        for row, (name, foot) in enumerate(feet.items()):
-            plan = walk.planned[row] if walk.planned else None
-            height = None if walk.legs is None else walk.legs.feet[row].height
-            planned = None if plan is None else plan.metrics
-            feet[name] = replace(foot, height_over_stride_m=height, planned=planned)
     return {
-        "base": base or unknown(metrics.Base),
+        "base": walk.base_in(within) or unknown(metrics.Base),
         "feet": feet,
-        "forces": _forces(walk, loads, feet),
-        "stability": stability or unknown(metrics.Stability),
+        "forces": _forces(walk, walk.loads_in(within), feet),
+        "stability": walk.stability_in(within) or unknown(metrics.Stability),
     }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from html import unescape
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 from typing import Any, Final
 from xml.etree import ElementTree as ET
 
@@ -48,10 +48,13 @@ FAULTS: Final = ("broken.toml", "compare SOUND", "compare --gait")
 """Calls that find a fault, too: of these two sides one has too few strides."""
 
 
+_FOLDER: Final = TemporaryDirectory(prefix="damaged")
+
+
 @cache
 def made() -> Path:
     """A folder with a sound log, and the same in each container, cut off."""
-    folder = Path(mkdtemp(prefix="dogbot-logtool-tests-"))
+    folder = Path(_FOLDER.name)
     walks.write_mcap(folder / "SOUND", walks.Walk(2), walks.messages(2, WRENCHES), 20_000)
     shutil.copy(folder / "SOUND", folder / "mcap")
     walks.write_walk(folder, WRENCHES, "bag").rename(folder / "bag")

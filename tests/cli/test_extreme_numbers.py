@@ -15,6 +15,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.core.prepared import LARGEST
+from dogbot_logtool.io.plain_json import readable_json, to_json
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
@@ -108,3 +109,9 @@ def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str) -> None:
         strict(json.dumps(stats_json(done)))
     convert(path, tmp_path / "out.mcap", ConvertOptions())
     describe(path, InfoOptions(frames=True))
+
+
+def test_json_has_null_for_what_is_not_finite() -> None:
+    value = {"a": [math.nan, 1.5, (math.inf,)], "b": -math.inf}
+    expected = {"a": [None, 1.5, [None]], "b": None}
+    assert strict(to_json(value)) == strict(readable_json(value)) == expected

@@ -12,10 +12,10 @@ import numpy as np
 import pyarrow.feather
 import pyarrow.parquet as pq
 import pytest
-from mcap.reader import make_reader
 
 from dogbot_logtool.report.page.assets import shared_name
 from tests.measured import walk_of
+from tests.oracles.annotated_file import read_written
 from tests.oracles.small_logs import first_seconds, odometry_log
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Outcome, Shell
@@ -25,15 +25,6 @@ TROTS = '[[rule]]\nfigure = "gait.name"\nequals = "trot"\nname = "it trots"\n'
 
 def short() -> Path:
     return first_seconds(TROT, 4.0)
-
-
-def counts_of(path: Path) -> dict[str, int]:
-    with path.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    assert summary.statistics is not None
-    counts = summary.statistics.channel_message_counts
-    return {summary.channels[number].topic: count for number, count in counts.items()}
 
 
 def test_convert_says_what_it_wrote(shell: Shell) -> None:
@@ -48,7 +39,7 @@ def test_convert_says_what_it_wrote(shell: Shell) -> None:
     assert (told["input"], told["output"], told["style"]) == (str(TROUBLED), "x.mcap", "force")
     assert told["topics"]["odometry"] == ["/dogbot/odom"]
     assert told["messages"] == {"read": 3659, "copied": 3659}
-    counts = counts_of(shell.folder / "x.mcap")
+    counts = read_written(shell.folder / "x.mcap").topics
     assert told["annotations"] == {topic: counts[topic] for topic in told["annotations"]}
     assert sum(counts.values()) == 3659 + sum(told["annotations"].values())
     assert told["skipped"]["bad_poses"] == 1

@@ -1,8 +1,9 @@
-"""`stats` from the file to the figures, against what the sample logs' generator knows."""
+"""`stats` from the file to the metrics, against what is known of samples, and of plans."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -12,14 +13,15 @@ from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import schema, stats_json
 from tests.measured import measured
+from tests.oracles import walks
+from tests.oracles.state_walks import StateWalk
 from tests.paths import ROOT, SAMPLE_LOGS
 
 WALKS = ("dogbot_trot.bag", "dogbot_walk.mcap")
 
 
-def figures(log: str, options: MeasureOptions | None = None) -> dict[str, Any]:
-    done = measured(SAMPLE_LOGS / log, options or MeasureOptions())
-    return stats_json(done)
+def figures(log: Path, options: MeasureOptions | None = None) -> dict[str, Any]:
+    return stats_json(measured(log, options or MeasureOptions()))
 
 
 def truth(log: str) -> dict[str, Any]:
@@ -33,7 +35,7 @@ def walk(request: pytest.FixtureRequest) -> tuple[dict[str, Any], dict[str, Any]
     true = truth(request.param)
     origin = measured(SAMPLE_LOGS / request.param, MeasureOptions()).walk.origin
     true["log"]["start_s"] = true["log"]["start_stamp_s"] - origin / 1e9
-    return figures(request.param), true
+    return figures(SAMPLE_LOGS / request.param), true
 
 
 Walk = tuple[dict[str, Any], dict[str, Any]]
@@ -93,7 +95,7 @@ def test_without_its_transforms_a_link_frame_log_has_no_vertical_figures(tmp_pat
     text = (ROOT / "dogbot_logtool/robot/known/dogbot.toml").read_text(encoding="utf-8")
     robot.write_text(text.replace('base = "base_link"', 'base = "trunk"'), encoding="utf-8")
     options = MeasureOptions(robot=str(robot))
-    got = figures("dogbot_trot.bag", options)
+    got = figures(SAMPLE_LOGS / "dogbot_trot.bag", options)
 
     assert got["forces"]["vertical_impulse_over_weight"] is None
     for foot in got["feet"].values():
@@ -109,4 +111,107 @@ def test_the_json_is_what_the_schema_says() -> None:
     Draft202012Validator.check_schema(schema(WalkMetrics))
     validator = Draft202012Validator(schema(WalkMetrics))
     for log in (*WALKS, "dogbot_troubled.bag"):
-        validator.validate(json.loads(json.dumps(figures(log), allow_nan=False)))
+        validator.validate(json.loads(json.dumps(figures(SAMPLE_LOGS / log), allow_nan=False)))
+
+
+# --- Feet against their plan: delays, misses and agreement ----------------------------------------
+
+
+AHEAD: Final = 4
+"""Samples of 10 ms by which everything is planned earlier."""
+PLANNED_FORCE: Final = 1.25
+GRF, HRP, XPP = (
+    "quad_msgs/msg/GRFArray",
+    "hrpsys_ros_bridge/msg/ContactStatesStamped",
+    "xpp_msgs/msg/RobotStateCartesian",
+)
+TOPICS: Final = {
+    GRF: ("/state/grfs", "/control/grfs"),
+    HRP: ("/act_contact_states", "/ref_contact_states"),
+    XPP: ("/xpp/state_curr", "/xpp/state_des"),
+}
+SWINGING: Final = 12
+"""Samples after its lift-off at which a foot is planned to touch down once more."""
+
+
+class Plan(StateWalk):
+    """The walk as it is planned: earlier, and stronger."""
+
+    def header(self, sample: int, frame: str) -> Any:
+        return super().header(max(sample - AHEAD, 0), frame)
+
+    def forces(self, sample: int, legs: Any = walks.LEGS) -> list[Any]:
+        return [PLANNED_FORCE * force for force in super().forces(sample, legs)]
+
+
+class HastyPlan(Plan):
+    """A plan in which the left front foot touches down once more in its first swing."""
+
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        flags = super().flags(sample, legs)
+        (lifted, *_) = np.flatnonzero(np.diff(walks.TOUCHES["front_left"].astype(int)) < 0)
+        extra = SWINGING <= sample - lifted < SWINGING + 5
+        return flags | (np.array([leg == "front_left" for leg in legs]) & extra)
+
+
+def both(kind: str, plan: StateWalk) -> Iterator[walks.Entry]:
+    topics = TOPICS[kind]
+    for entry in StateWalk(2).messages(kind):
+        topic = topics[0] if entry.kind == kind else entry.topic
+        yield walks.Entry(topic, entry.kind, entry.log_time, entry.data)
+    for entry in plan.messages(kind):
+        time = entry.log_time - AHEAD * walks.STEP
+        if entry.kind == kind and time >= walks.START:
+            yield walks.Entry(topics[1], kind, time, entry.data)
+
+
+def write(folder: Path, kind: str, plan: StateWalk) -> Path:
+    path = folder / "walk.mcap"
+    entries = sorted(both(kind, plan), key=lambda entry: entry.log_time)
+    walks.write_mcap(path, StateWalk(2), entries)
+    return path
+
+
+@pytest.mark.parametrize("kind", TOPICS)
+def test_a_walk_that_is_late_against_its_plan(tmp_path: Path, kind: str) -> None:
+    found = figures(write(tmp_path, kind, Plan(2)))
+    assert {foot["topic"] for foot in found["settings"]["feet"].values()} == {TOPICS[kind][0]}
+    for foot in found["feet"].values():
+        planned, steps = foot["planned"], len(foot["touchdown_s"])
+        assert (planned["missed"], planned["unplanned"]) == (0, 0)
+        delay = planned["delay_s"]
+        assert delay["n"] == steps
+        assert (delay["min"], delay["max"]) == pytest.approx((0.04, 0.04), abs=1e-6)
+        # 40 ms of disagreement at each touchdown and each lift-off.
+        known = (walks.SAMPLES - 1 - AHEAD) * walks.STEP / 1e9
+        changes = steps + len(foot["lift_off_s"])
+        assert planned["agreement"] == pytest.approx(1 - 0.04 * changes / known, abs=1e-6)
+    assert "PLANNED" in {finding["code"] for finding in found["findings"]}
+
+
+def test_a_planned_touchdown_that_does_not_come_is_missed(tmp_path: Path) -> None:
+    found = figures(write(tmp_path, GRF, HastyPlan(2)))
+    missed = {name: foot["planned"]["missed"] for name, foot in found["feet"].items()}
+    assert missed == {"front_left": 1, "front_right": 0, "back_left": 0, "back_right": 0}
+    foot = found["feet"]["front_left"]
+    assert foot["planned"]["delay_s"]["n"] == len(foot["touchdown_s"])
+
+
+class Velocities(StateWalk):
+    """The driver of the A1: planned contacts stand beside the counts, as velocities."""
+
+    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
+        for topic, message in super().contacts(kind, sample):
+            message.velocity[12:] = self.flags(min(sample + AHEAD, walks.SAMPLES - 1))
+            yield topic, message
+
+
+def test_planned_contacts_beside_the_counts(tmp_path: Path) -> None:
+    kind, walk = "sensor_msgs/msg/JointState", Velocities(2)
+    entries = [
+        walks.Entry("/joint_foot" if e.kind == kind else e.topic, e.kind, e.log_time, e.data)
+        for e in walk.messages(kind)
+    ]
+    walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
+    for foot in figures(tmp_path / "walk.mcap")["feet"].values():
+        assert foot["planned"]["delay_s"]["median"] == pytest.approx(0.04, abs=1e-6)

@@ -40,7 +40,7 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     height, spread = median_of(known[:, 2]), median_of(known[:, 3])
     if height < max(LOWEST_M, LOWEST * spread) or aside > FURTHEST * (height + spread):
         return np.full(len(base.time), np.nan)
-    normal = _ground_normal(feet, None)
+    normal = _ground_normal(feet, timespans.ALWAYS)
     if normal is None:
         return np.asarray(offset[:, 2])
     # The feet's centre lies higher or lower than the ground below the base.
@@ -68,12 +68,12 @@ def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     return np.column_stack([base.position - centre, spread])
 
 
-def slope_rad(feet: Sequence[FootHistory], within: Ints | None = None) -> float | None:
+def slope_rad(feet: Sequence[FootHistory], within: Ints) -> float | None:
     """Return the angle of the plane through the feet's contact points against the horizontal.
 
     Args:
         feet: histories of all feet.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
 
     Returns:
         rad; None without points that span a plane, and where they do not lie in one.
@@ -82,7 +82,7 @@ def slope_rad(feet: Sequence[FootHistory], within: Ints | None = None) -> float 
     return None if normal is None else float(np.arccos(min(1.0, normal[2])))
 
 
-def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats | None:
+def _ground_normal(feet: Sequence[FootHistory], within: Ints) -> Floats | None:
     """(3,) unit normal, upwards, of the plane through the feet's contact points."""
     points = [_standing_points(foot, within) for foot in feet]
     points = [each for each in points if len(each)]
@@ -99,13 +99,10 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints | None) -> Floats |
     return normal if normal[2] > STEEPEST else None
 
 
-def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
+def _standing_points(foot: FootHistory, within: Ints) -> Floats:
     """(n, 3) m, where the foot stands in each stance."""
     time, point = stance_places(foot)
-    known = all_finite(point)
-    if within is not None:
-        known &= timespans.covers(within, time)
-    return point[known]
+    return point[all_finite(point) & timespans.covers(within, time)]
 
 
 def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:

@@ -135,18 +135,18 @@ def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
     return int(min(max(np.ceil(size), 1), _LONGEST_BLOCK))
 
 
-def base_motion(track: BaseTrack, forward_rad: float, within: Ints | None = None) -> Base | None:
+def base_motion(
+    track: BaseTrack, forward_rad: float, within: Ints = timespans.ALWAYS
+) -> Base | None:
     """Measure the motion of the base; None without two poses.
 
     Args:
         track: poses, and what the feet say of them.
         forward_rad: from the body's x axis to the axis that points forward.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
     """
     base = track.history
-    inside = np.ones(len(base.time), np.bool_)
-    if within is not None:
-        inside = timespans.covers(within, base.time)
+    inside = timespans.covers(within, base.time)
     rows = np.flatnonzero(inside)
     if len(rows) < 2:
         return None

@@ -73,15 +73,14 @@ class FootHistory:
     scuffs: Ints = field(default_factory=timespans.no_spans)
     """(u, 2) ns, short and light touches in swings; no stances."""
 
-    def contact_fraction(self, within: Ints | None = None) -> float | None:
+    def contact_fraction(self, within: Ints = timespans.ALWAYS) -> float | None:
         """Return time in contact over time known; None where nothing is known.
 
         Args:
-            within: (w, 2) ns, a part of the log; None: all of it.
+            within: (w, 2) ns, a part of the log.
         """
-        limits = () if within is None else (within,)
-        known = timespans.total(timespans.intersect([self.known, *limits]))
-        down = timespans.total(timespans.intersect([self.in_contact, *limits]))
+        known = timespans.total(timespans.intersect([self.known, within]))
+        down = timespans.total(timespans.intersect([self.in_contact, within]))
         return down / known if known else None
 
     def without_force(self) -> "FootHistory":

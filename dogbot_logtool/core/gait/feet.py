@@ -231,9 +231,7 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> Floats:
     return impulses
 
 
-def foot_metrics(
-    foot: FootSteps, weight_n: float | None, origin: int, within: Ints | None = None
-) -> Foot:
+def foot_metrics(foot: FootSteps, weight_n: float | None, origin: int, within: Ints) -> Foot:
     """Return the metrics of a foot.
 
     Args:
@@ -241,16 +239,10 @@ def foot_metrics(
         weight_n: N, what forces in body weights are divided by; None: not known.
         origin: ns, what times are counted from.
         within: (w, 2) ns, a part of the log; its stances and strides are those with their middle in
-            it. None: all of it.
+            it.
     """
-    strides, whole = foot.strides, foot.stances.whole
-    inside = np.ones(len(strides.stance), np.bool_)
-    if within is not None:
-        inside = strides.rows_within(within)
-        strides, whole = (
-            strides.within(within),
-            whole & timespans.covers(within, foot.stances.middle),
-        )
+    inside, strides = foot.strides.rows_within(within), foot.strides.within(within)
+    whole = foot.stances.whole & timespans.covers(within, foot.stances.middle)
     per_weight = np.nan if weight_n is None else 1.0 / weight_n
     in_weights = {
         f"peak_{name}_bw": foot.of_stances[f"peak_{name}_n"] * per_weight
@@ -277,11 +269,10 @@ def foot_metrics(
     return replace(unknown(Foot), **{name: found[name] for name in found.keys() & _METRICS})
 
 
-def _seconds(time: Ints, origin: int, within: Ints | None) -> Numbers:
+def _seconds(time: Ints, origin: int, within: Ints) -> Numbers:
     """Return times as seconds since the log's start, to the nanosecond."""
-    if within is not None:
-        time = time[timespans.covers(within, time)]
-    return tuple(each / 1e9 for each in (time - origin).tolist())
+    inside = time[timespans.covers(within, time)]
+    return tuple(each / 1e9 for each in (inside - origin).tolist())
 
 
 def stride_curve(foot: FootSteps, strides: Strides, *, forward: bool) -> Shape:

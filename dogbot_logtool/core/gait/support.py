@@ -38,15 +38,15 @@ class Support(NamedTuple):
     """(f, 2) ns, spans with no foot in contact."""
 
 
-def support(feet: Sequence[FootHistory], within: Ints | None = None) -> Support | None:
+def support(feet: Sequence[FootHistory], within: Ints = timespans.ALWAYS) -> Support | None:
     """Measure support patterns; None where there is no time known to all feet.
 
     Args:
         feet: histories of all feet.
-        within: (w, 2) ns, a part of the log; None: all of it.
+        within: (w, 2) ns, a part of the log.
     """
     known = timespans.intersect([foot.known for foot in feet])
-    known = known if within is None else timespans.intersect([known, within])
+    known = timespans.intersect([known, within])
     if not timespans.total(known):
         return None
     contacts = [timespans.intersect([foot.in_contact, known]) for foot in feet]
