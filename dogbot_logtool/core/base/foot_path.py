@@ -4,7 +4,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
@@ -12,8 +12,6 @@ from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
 
 RATE_HZ: Final = 200.0
 """At which paths that messages tell are kept."""
-SLOWEST_NS: Final = 11_000_000
-"""ns: a foot that is told less often has no velocity at touchdown."""
 LONGEST_STEP_S: Final = 0.1
 """s between two messages; a longer step is a silence, across which nothing is interpolated."""
 
@@ -66,11 +64,6 @@ class FootPath(NamedTuple):
         outside = (time < self.time[0]) | (time > self.time[-1]) | self.broken[after]
         position[outside] = np.nan
         return np.asarray(position)
-
-    @property
-    def is_slow(self) -> bool:
-        """Whether the path is told too rarely for velocities."""
-        return len(self.time) < 2 or float(median_of(np.diff(self.time))) > SLOWEST_NS
 
     def unbroken(self, start: Ints, end: Ints) -> Flags:
         """(m,) whether the path is known all the way between two times each."""

@@ -21,19 +21,18 @@ ALTERNATES: Final = 0.1
 """Cycles by which the steps of two feet may be uneven before that counts as a deviation."""
 
 
-def class_distances(phases: Floats, duty_factor: Floats | None = None) -> dict[str, Floats]:
+def class_distances(phases: Floats, duty: Floats) -> dict[str, Floats]:
     """Return how far phases are from those of each class.
 
     Args:
         phases: (n, feet) cycles. Two feet: in any order. Four: front left, front right, back
             left, back right. Six: the same with middle left, middle right before the back ones.
-        duty_factor: (n,) decides between walk and amble or run; None: taken as above one half.
+        duty: (n,) duty factors, which decide between walk and amble or run.
 
     Returns:
         (n,) distance for each class; NaN where a phase is not known. Empty for any other number
         of feet. Of two classes at the same distance the first one counts.
     """
-    duty = np.ones(len(phases)) if duty_factor is None else duty_factor
     match phases.shape[1]:
         case 2:
             return _of_two_feet(phases, duty)
@@ -246,19 +245,17 @@ def classify(gait: Gait, phases: Sequence[float], consistency: Sequence[float]) 
     """Name a gait by its mean phases, its duty factor and its time in flight.
 
     Args:
-        gait: without a class.
-        phases: cycles, of all feet in the order of `class_distances`.
+        gait: with its duty factor, without a class.
+        phases: cycles, known of all feet in the order of `class_distances`.
         consistency: R of each.
 
     Returns:
-        The gait as it is where a phase is missing or gaits of so many feet have no names.
+        The gait as it is where gaits of so many feet have no names.
     """
     table = np.array([phases], np.float64)
-    duty = None if gait.duty_factor is None else np.array([gait.duty_factor])
-    distances = {
-        name: round(float(value[0]), _SAME) for name, value in class_distances(table, duty).items()
-    }
-    if not distances or not np.isfinite(table).all():
+    by_name = class_distances(table, np.array([gait.duty_factor], np.float64))
+    distances = {name: round(float(value[0]), _SAME) for name, value in by_name.items()}
+    if not distances:
         return gait
     nearest = min(distances, key=distances.__getitem__)
     distance = distances[nearest]

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of, rows_of_runs
-from dogbot_logtool.core.base.foot_path import SLOWEST_NS, Footfalls, FootPath, known_path
+from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, known_path
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
 from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track, lookup
@@ -23,6 +23,8 @@ from dogbot_logtool.core.rotations import rotate
 
 TRANSFORM_RATE_HZ: Final = 200.0
 JOINT_RATE_HZ: Final = 100.0
+SLOWEST_NS: Final = 11_000_000
+"""ns: a foot that is told less often has no velocity at touchdown."""
 
 
 class LegChain(NamedTuple):
@@ -151,7 +153,9 @@ def swings(
 
 def is_slow(path: FootPath, contact_interval_s: float) -> bool:
     """Tell whether path or contacts are sampled too rarely for velocities at touchdown."""
-    return path.is_slow or contact_interval_s * 1e9 > SLOWEST_NS
+    if len(path.time) < 2 or contact_interval_s * 1e9 > SLOWEST_NS:
+        return True
+    return float(median_of(np.diff(path.time))) > SLOWEST_NS
 
 
 def _clearance(

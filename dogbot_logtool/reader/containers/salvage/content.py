@@ -186,9 +186,7 @@ class _Kept:
         lost = None if promised is None else max(promised - len(self.found), 0)
         size = sum(end - start for start, end in skipped)
         if missing:
-            # A record that the cut goes through is no other damage.
             what = f"the last {missing} bytes in {self._name} are damaged or cut off"
-            size = 0 if chunk.is_compressed else size
         else:
             where = "" if len(skipped) == 1 else f" in {len(skipped)} places"
             what = f"{self._name} holds {size} bytes{where} that are no record"
