@@ -65,7 +65,8 @@ def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
     from mcap import records  # noqa: PLC0415
     from mcap.opcode import Opcode  # noqa: PLC0415
 
-    from dogbot_logtool.reader.containers.mcap.records import RECORD_HEAD, read_extra  # noqa: PLC0415
+    from dogbot_logtool.io.mcap_layout import RECORD_HEAD  # noqa: PLC0415
+    from dogbot_logtool.reader.containers.mcap.records import read_extra  # noqa: PLC0415
 
     for extra in log.extras:
         if extra.opcode != Opcode.METADATA or extra.size > _LARGEST_RECORD:

@@ -1,6 +1,5 @@
 """Finished MCAP chunks: compressed records and the message index that belongs to them."""
 
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -14,8 +13,8 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints, rows_by_group
+from dogbot_logtool.io.mcap_layout import INDEX_ENTRY, INDEX_HEAD, RECORD_HEAD
 from dogbot_logtool.writer.message_records import MessageRecords
-from dogbot_logtool.writer.template import RECORD_HEAD_SIZE
 
 Compression = Literal["zstd", "lz4", "none"]
 CHUNK_SIZE: Final = 1 << 20
@@ -24,9 +23,6 @@ ZSTD: Final = zstandard.ZstdCompressionParameters.from_level(1, window_log=18)
 """Level 1, looking back over 256 KiB, which stay in a processor's cache, instead of 512: it takes
 a twelfth less time, for files of the same size. Level -1 would take another quarter less, for files
 that are 2 to 3 % larger."""
-_INDEX_HEAD: Final = struct.Struct("<BQHI")
-"""A message index record up to its entries: opcode, length, channel, bytes of the entries."""
-_INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -56,9 +52,9 @@ def finish_chunks(messages: MessageRecords, compression: Compression) -> Iterato
 
 
 def finish_chunk(messages: MessageRecords, compression: Compression) -> FinishedChunk:
-    """Compress the messages of one chunk and index them."""
+    """Compress the messages of one chunk, at least one, and index them."""
     data = messages.data
-    start, end = time_range(messages.log_time)
+    start, end = int(messages.log_time.min()), int(messages.log_time.max())
     compressed = _compress(data, compression)
     name = "" if compression == "none" else compression
     builder = RecordBuilder()
@@ -85,10 +81,10 @@ def message_index(channel: Ints, log_time: Ints, offset: Ints) -> Bytes:
     """
     pieces: list[bytes] = []
     for number, rows in rows_by_group(channel):
-        entries = np.empty(len(rows), _INDEX_ENTRY)
+        entries = np.empty(len(rows), INDEX_ENTRY)
         entries["log_time"], entries["offset"] = log_time[rows], offset[rows]
         pieces.append(
-            _INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, entries.nbytes + 6, number, entries.nbytes)
+            INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, entries.nbytes + 6, number, entries.nbytes)
         )
         pieces.append(entries.tobytes())
     return np.frombuffer(b"".join(pieces), np.uint8)
@@ -98,15 +94,10 @@ def indexed_channels(index: Bytes) -> Iterator[tuple[int, int, int]]:
     """Yield channel, offset and messages of each message index record that lists any."""
     first = 0
     while first < len(index):
-        opcode, length, channel, entries = _INDEX_HEAD.unpack_from(index.data, first)
+        opcode, length, channel, entries = INDEX_HEAD.unpack_from(index.data, first)
         if opcode == Opcode.MESSAGE_INDEX and entries:
-            yield channel, first, entries // _INDEX_ENTRY.itemsize
-        first += RECORD_HEAD_SIZE + length
-
-
-def time_range(log_time: Ints) -> tuple[int, int]:
-    """Return the earliest and the latest time, 0 for none."""
-    return (int(log_time.min()), int(log_time.max())) if len(log_time) else (0, 0)
+            yield channel, first, entries // INDEX_ENTRY.itemsize
+        first += RECORD_HEAD.size + length
 
 
 def _compress(data: Bytes, compression: Compression) -> bytes:

@@ -5,9 +5,11 @@ from itertools import groupby
 from typing import Final, NamedTuple
 
 import numpy as np
+from mcap.opcode import Opcode
 
 from dogbot_logtool.core.arrays import Bytes, Ints
-from dogbot_logtool.writer.template import MESSAGE_HEAD, MESSAGE_OPCODE, RECORD_HEAD_SIZE, Records
+from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD, RECORD_HEAD
+from dogbot_logtool.writer.template import Records
 
 _MANY: Final = 64 << 10
 """Bytes of one channel's messages from which they get chunks of their own."""
@@ -59,8 +61,8 @@ def recorded(
     """
     size = end - start
     head = np.empty(len(size), MESSAGE_HEAD)
-    head["opcode"] = MESSAGE_OPCODE
-    head["length"] = size + (MESSAGE_HEAD.itemsize - RECORD_HEAD_SIZE)
+    head["opcode"] = Opcode.MESSAGE
+    head["length"] = size + (MESSAGE_HEAD.itemsize - RECORD_HEAD.size)
     head["channel"] = channel
     head["sequence"] = sequence
     head["log_time"] = log_time

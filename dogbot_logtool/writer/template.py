@@ -13,9 +13,11 @@ from functools import cache
 from typing import Any, Final, NamedTuple
 
 import numpy as np
+from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD, RECORD_HEAD
 
 Number = float | int | str
 Mark = tuple[Number, bytes]
@@ -25,20 +27,6 @@ Columns = Mapping[str, NDArray[Any]]
 Records = NDArray[np.void]
 """(n,) message records of one channel and one size."""
 
-MESSAGE_OPCODE: Final = 0x05
-MESSAGE_HEAD: Final = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<i8"),
-        ("publish_time", "<i8"),
-    ]
-)
-"""An MCAP message record up to its payload."""
-RECORD_HEAD_SIZE: Final = 9
-"""Bytes of any record's opcode and length."""
 _VARINT_WIDTH: Final = 10
 VARINT: Final = f"V{_VARINT_WIDTH}"
 """How protobuf writes integers: small numbers in fewer bytes, but negative ones always in ten. A
@@ -170,8 +158,8 @@ def _filled(value: Any, value_of: Callable[[Slot], Number]) -> Any:  # noqa: ANN
 def _of_places(message: bytes, places: Sequence[tuple[Slot, str, int]]) -> Template:
     """Return the template of a message with slots, written as some kinds at some offsets."""
     head = np.zeros((), MESSAGE_HEAD)
-    head["opcode"] = MESSAGE_OPCODE
-    head["length"] = len(message) + (MESSAGE_HEAD.itemsize - RECORD_HEAD_SIZE)
+    head["opcode"] = Opcode.MESSAGE
+    head["length"] = len(message) + (MESSAGE_HEAD.itemsize - RECORD_HEAD.size)
     of_head: Mapping[str, tuple[Any, ...]] = MESSAGE_HEAD.fields or {}
     fields = {name: of_head[name][:2] for name in ("channel", "log_time", "publish_time")}
     for _, kind, offset in places:

@@ -10,7 +10,6 @@ from dogbot_logtool.core.metrics import (
     WalkMetrics,
 )
 from dogbot_logtool.core.records import (
-    Field,
     metric_paths,
     to_json,
     values,
@@ -44,15 +43,13 @@ SUFFIXES = {
 PATHS = list(metric_paths(WalkMetrics))
 
 
-@pytest.mark.parametrize(("path", "field", "words"), PATHS)
-def test_a_metric_tells_its_definition_its_unit_and_what_it_needs(
-    path: str, field: Field, words: str
-) -> None:
-    key = path.removesuffix(".*").rsplit(".", 1)[-1]
-    suffix = max((each for each in SUFFIXES if key.endswith(each)), key=len, default="")
-    assert words
-    assert set(field.of.needs) <= NEEDS.keys()
-    assert not suffix or field.of.unit in {SUFFIXES[suffix], "%"}
+def test_a_metric_tells_its_definition_its_unit_and_what_it_needs() -> None:
+    for path, field, words in PATHS:
+        key = path.removesuffix(".*").rsplit(".", 1)[-1]
+        suffix = max((each for each in SUFFIXES if key.endswith(each)), key=len, default="")
+        assert words, path
+        assert set(field.of.needs) <= NEEDS.keys(), path
+        assert not suffix or field.of.unit in {SUFFIXES[suffix], "%"}, path
 
 
 def test_every_need_is_one_of_some_metric() -> None:

@@ -20,7 +20,7 @@ from hatch_build import long_description
 from tests.commands.test_stats import GRF, Plan, figures, write
 from tests.forked_cli import run
 from tests.paths import ROOT, SAMPLE_LOGS
-from tests.truth.commanded import ALL_KINDS, Commanded, commanded_walk
+from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
 from tests.truth.sensed import pushed, with_imu
@@ -42,7 +42,7 @@ def test_the_page_is_up_to_date(page: Path) -> None:
 
 def test_every_metric_is_measured_of_some_log(tmp_path: Path) -> None:
     documents = [figures(write(tmp_path, GRF, Plan(2)))]
-    robot = Commanded(ALL_KINDS, seconds=18.0)
+    robot = Commanded(seconds=18.0)
     log = write_log(commanded_walk(robot, robot.commands()), tmp_path / "commanded.mcap")
     documents.append(figures(log))
     walk = Walk(gait=WALK, seconds=12.0).recorded(200.0, 100.0)

@@ -1,8 +1,7 @@
 """Many messages as an MCAP file, as its specification says: much faster than by its library.
 
 The library takes longer to write a log of a walk than all else that is done with it. Logs that are
-looked at for what is in them, not for how they are written, come from here; `tests.truth.test_logs`
-reads one back with the library.
+looked at for what is in them, not for how they are written, come from here.
 """
 
 import struct

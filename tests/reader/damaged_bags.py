@@ -2,15 +2,11 @@
 
 import struct
 from collections.abc import Iterator
-from functools import partial
 from typing import Final
-
-import lz4.frame
-import numpy as np
 
 from tests.reader import bag_bytes
 from tests.reader.bag_bytes import SECOND, U32, BagBytes, Connection, bag_header, small_bag, time
-from tests.reader.cases import ANY, BAG, RUBBISH, SECOND_CHUNK, SENDERS, Case, built, flipped, put
+from tests.reader.cases import ANY, BAG, RUBBISH, SECOND_CHUNK, Case, built, flipped, put
 
 
 def bags_with_a_wrong_index() -> Iterator[Case]:
@@ -103,20 +99,6 @@ def bags_with_damaged_chunks() -> Iterator[Case]:
         yield Case("swapped", *case, what, tuple(range(12)), either=True, number=0)
     lone = built(small_bag(), in_chunks=False, indexed=False)
     yield Case("undescribed", *lone, "nowhere described", tuple(range(12)), bytes=12 * 13)
-    lz4_blocks = partial(
-        lz4.frame.compress, block_checksum=True, block_size=lz4.frame.BLOCKSIZE_MAX64KB
-    )
-    random = np.random.default_rng(0)
-    payloads = random.integers(0, 4, (60, 50_000), np.uint8)
-    messages = [[BAG(0, row, data.tobytes()) for row, data in enumerate(payloads, start=1)]]
-    for compression, compress in (("bz2", None), ("lz4", lz4_blocks)):
-        large = BagBytes(messages, SENDERS, compression, compress)
-        _, data = built(large)
-        end = large.chunk_ends[0]
-        # Blocks with checksums of their own are whole or not.
-        last, what = tuple(range(51, 60)), "are damaged or cut off"
-        cut = data[: end - 100] if compression == "bz2" else data[: end - 60_000] + data[end:]
-        yield Case(f"cut {compression} chunk", large, cut, what, last, either=True, number=None)
 
 
 DAMAGED: Final = (

@@ -5,15 +5,9 @@ import pytest
 
 from dogbot_logtool.reader.messages.table import types_of
 from tests.reader import adapters
-from tests.reader.adapters import ALL, DAMAGES, FOXGLOVE, POSES, Outcome
+from tests.reader.adapters import ALL, DAMAGES, FOXGLOVE, POSES
 
 COUNT = 12
-BAD = slice(4, 7)
-
-
-def rows_of(outcome: Outcome) -> int:
-    """Rows a message: feet, or transforms."""
-    return len(outcome.log_time) // COUNT
 
 
 MALFORMED = [
@@ -25,43 +19,25 @@ MALFORMED = [
 ]
 
 
-@pytest.mark.parametrize("type_name", ALL)
-def test_no_messages_give_no_rows(type_name: str) -> None:
-    outcome = adapters.read(adapters.channel(type_name), adapters.batch([]))
-    assert len(outcome.log_time) == 0
-    assert outcome.malformed == {}
-
-
-@pytest.mark.parametrize("type_name", ALL)
-def test_sound_messages_are_all_decoded(type_name: str) -> None:
-    given = adapters.batch(adapters.payloads(type_name, COUNT))
-    outcome = adapters.read(adapters.channel(type_name), given)
-    assert outcome.malformed == {}
-    assert rows_of(outcome) >= 1
-    assert sorted(set(outcome.log_time.tolist())) == given.messages.log_time.tolist()
-
-
-@pytest.mark.parametrize(("type_name", "damage"), MALFORMED)
-def test_a_batch_of_nothing_but_malformed_messages(type_name: str, damage: str) -> None:
-    given = adapters.batch([DAMAGES[damage](m) for m in adapters.payloads(type_name, COUNT)])
-    outcome = adapters.read(adapters.channel(type_name), given)
-    assert len(outcome.log_time) == 0
-    assert outcome.malformed == {1: COUNT}
-
-
 @pytest.mark.parametrize(("type_name", "damage"), MALFORMED)
 def test_malformed_messages_leave_their_neighbours_alone(type_name: str, damage: str) -> None:
-    sound = adapters.payloads(type_name, COUNT)
-    messages = list(sound)
-    messages[BAD] = [DAMAGES[damage](message) for message in messages[BAD]]
-    whole = adapters.read(adapters.channel(type_name), adapters.batch(sound))
-    outcome = adapters.read(adapters.channel(type_name), adapters.batch(messages))
-    assert outcome.malformed == {1: 3}
-    lost = adapters.batch(sound).messages.log_time[BAD]
-    np.testing.assert_array_equal(outcome.log_time, whole.log_time[~np.isin(whole.log_time, lost)])
+    channel, sound = adapters.channel(type_name), adapters.payloads(type_name, COUNT)
+    harmed = [DAMAGES[damage](message) for message in sound]
+    whole = adapters.read(channel, adapters.batch(sound))
+    assert sorted(set(whole.log_time.tolist())) == adapters.batch(sound).messages.log_time.tolist()
+    some = adapters.read(channel, adapters.batch([*sound[:4], *harmed[4:7], *sound[7:]]))
+    assert (whole.malformed, some.malformed) == ({}, {1: 3})
+    lost = adapters.batch(sound).messages.log_time[4:7]
+    np.testing.assert_array_equal(some.log_time, whole.log_time[~np.isin(whole.log_time, lost)])
+    for messages in ([], harmed):
+        nothing = adapters.read(channel, adapters.batch(messages))
+        assert len(nothing.log_time) == 0
+        assert nothing.malformed == ({1: COUNT} if messages else {})
 
 
-@pytest.mark.parametrize("type_name", adapters.WITH_ARRAYS)
+@pytest.mark.parametrize(
+    "type_name", [*adapters.FOOT_TYPES, *adapters.VARIANTS, "tf2_msgs/TFMessage"]
+)
 def test_messages_of_nothing_are_sound(type_name: str) -> None:
     message = adapters.empty_payload(type_name)
     outcome = adapters.read(adapters.channel(type_name), adapters.batch([message] * COUNT))

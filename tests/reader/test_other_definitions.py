@@ -11,26 +11,12 @@ from tests.reader.adapters import DECODED
 
 SEPARATOR = "=" * 80 + "\n"
 KINDS = (
-    "string",
-    "wstring",
-    "bool",
-    "byte",
-    "int8",
-    "uint64",
-    "float32",
-    "float64",
-    "time",
-    "duration",
-    "builtin_interfaces/Time",
-    "std_msgs/Header",
-    "missing_msgs/Missing",
+    *("string", "wstring", "bool", "byte", "int8", "uint64", "float32", "float64", "time"),
+    *("builtin_interfaces/Time", "std_msgs/Header", "missing_msgs/Missing"),
 )
 SHAPES = ("", "[]", "[0]", "[2]", "[9]", "[<=3]")
 ODOMETRY = "nav_msgs/Odometry"
 CONTACTS = "gazebo_msgs/ContactsState"
-CHAMP, LOW = "champ_msgs/ContactsStamped", "unitree_go/LowState"
-TIME, POSE = "builtin_interfaces/Time", "geometry_msgs/PoseWithCovariance"
-V3, POINTS, FORCE = "geometry_msgs/Vector3", "contact_positions", "foot_force"
 
 
 def sections(type_name: str) -> list[list[str]]:
@@ -111,38 +97,11 @@ def assert_is_sentence(text: str) -> None:
     assert "Error" not in text
 
 
-@pytest.mark.parametrize(
-    ("type_name", "old", "new", "path", "expected"),
-    [
-        (ODOMETRY, f"{TIME} stamp", f"{TIME}[3] stamp", "header.stamp", "a single time"),
-        (ODOMETRY, "float64 x", "string x", "pose.pose.position.x", "a single number"),
-        (ODOMETRY, "string frame_id", "uint8[] frame_id", "header.frame_id", "a single string"),
-        (ODOMETRY, f"{POSE} pose", f"{POSE}[] pose", "pose", "a single message"),
-        (
-            CONTACTS,
-            f"{V3}[] {POINTS}",
-            f"{V3} {POINTS}",
-            f"states.{POINTS}",
-            "an array of messages",
-        ),
-        (CHAMP, "bool[] contacts", "string contacts", "contacts", "a sequence of numbers"),
-        (
-            LOW,
-            f"int16[4] {FORCE}",
-            f"int16[2] {FORCE}",
-            FORCE,
-            "a fixed array of at least 4 numbers",
-        ),
-    ],
-)
-def test_a_field_of_another_kind_is_named(
-    type_name: str, old: str, new: str, path: str, expected: str
-) -> None:
-    text = adapters.definition(type_name)
-    assert old in text
-    found = new.split(" ", maxsplit=1)[0]
-    assert fault(type_name, text.replace(old, new)) == (
-        f"field '{path}' of {type_name} must be {expected}, but the log's definition has {found}"
+def test_a_field_of_another_kind_is_named() -> None:
+    text = adapters.definition(ODOMETRY).replace("float64 x", "string x")
+    assert fault(ODOMETRY, text) == (
+        "field 'pose.pose.position.x' of nav_msgs/Odometry must be a single number, but the log's "
+        "definition has string"
     )
 
 
@@ -159,23 +118,7 @@ def test_a_definition_with_a_field_twice_is_none() -> None:
     )
 
 
-@pytest.mark.parametrize("type_name", DECODED)
-def test_the_usual_definition_fits(type_name: str) -> None:
-    assert (fault(type_name), source_of(type_name).own_definition) == ("", "")
-
-
-@pytest.mark.parametrize(
-    "type_name",
-    [
-        ODOMETRY,
-        CONTACTS,
-        "tf2_msgs/TFMessage",
-        "tf/tfMessage",
-        "ros_gz_interfaces/Contacts",
-        "geometry_msgs/WrenchStamped",
-        "champ_msgs/ContactsStamped",
-    ],
-)
+@pytest.mark.parametrize("type_name", [ODOMETRY, CONTACTS, "tf2_msgs/TFMessage", "tf/tfMessage"])
 @pytest.mark.parametrize("text", ["", "%%%"])
 def test_our_own_definition_reads_the_same(type_name: str, text: str) -> None:
     given = adapters.batch(adapters.payloads(type_name, 5))

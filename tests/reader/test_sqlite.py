@@ -112,15 +112,12 @@ def with_shared_pages(path: Path, table: str, levels: int = 14) -> Path:
 
 
 @pytest.mark.parametrize("table", ["messages", "topics"])
-@pytest.mark.parametrize("command", ["info", "stats", "convert", "compare"])
-def test_pages_that_are_shared_end_the_reading(tmp_path: Path, table: str, command: str) -> None:
+def test_pages_that_are_shared_end_the_reading(tmp_path: Path, table: str) -> None:
     path = with_shared_pages(tmp_path / "log.db3", table)
-    words = [str(path)] * (2 if command == "compare" else 1)
-    done = run(command, *words, folder=tmp_path, timeout=30)
-    assert done.returncode in {1, 2, 3}, done.stderr
-    if command in {"info", "compare"}:
-        said = " ".join((done.stdout + done.stderr).split())
-        assert "its pages are used more than once" in said
+    done = run("info", str(path), folder=tmp_path, timeout=30)
+    assert done.returncode in {1, 3}, done.stderr
+    said = " ".join((done.stdout + done.stderr).split())
+    assert "its pages are used more than once" in said
 
 
 def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:

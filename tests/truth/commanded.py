@@ -17,34 +17,25 @@ from tests.truth.recording import (
 from tests.truth.sensor_faults import as_force_sensors
 from tests.truth.walking import Walk
 
-STEPS: tuple[tuple[float, tuple[float, float, float]], ...] = (
-    (0.0, (0.3, 0.0, 0.0)),
-    (3.1, (0.6, 0.0, 0.0)),
-    (5.3, (0.1, 0.2, 0.0)),
-    (8.2, (0.5, -0.1, 0.3)),
-    (10.9, (0.2, 0.1, -0.4)),
-    (13.3, (0.5, 0.0, 0.2)),
-    (15.9, (0.0, -0.2, 0.5)),
-    (18.4, (0.4, 0.1, 0.0)),
-)
-"""s from which on each command holds, and m/s forward, m/s to the left, rad/s."""
-
-
-ALL_KINDS: tuple[tuple[float, tuple[float, float, float]], ...] = (
+Steps = tuple[tuple[float, tuple[float, float, float]], ...]
+STEPS: Steps = (
     (0.0, (0.4, 0.0, 0.0)),
     (5.0, (0.0, 0.0, 0.0)),
     (10.0, (0.4, 0.0, 0.3)),
     (12.3, (0.1, 0.2, -0.3)),
     (15.1, (0.5, -0.1, 0.2)),
 )
-"""Straight ahead, steps in place, and changes of all parts."""
+"""s from which on each command holds, and m/s forward, m/s to the left, rad/s.
+
+Straight ahead, steps in place, and changes of all parts.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Commanded:
     """A base that does what is commanded, but for what is said."""
 
-    steps: tuple[tuple[float, tuple[float, float, float]], ...] = STEPS
+    steps: Steps = STEPS
     seconds: float = 22.0
     delay_s: float = 0.17
     gain: tuple[float, float, float] = (0.9, 0.8, 1.1)

@@ -16,13 +16,13 @@ from tests.truth import world_faults as world
 from tests.truth.judging import Case, Event
 from tests.truth.other_cases import OneAfterAnother, changes
 from tests.truth.recording import Disturbance, on
-from tests.truth.scenes import Knots, Scene, linear, through
+from tests.truth.scenes import Knots, Scene
 from tests.truth.walking import Walk
 from tests.truth.walks import FORCE, WALK
 
 FOOT: Final = "front_right"
 TROT: Final = Walk(seconds=12.0)
-LEAVES: Final = float(TROT.liftoffs(1)[6])
+LEAVES: Final = float(TROT.lift_offs(1)[6])
 LANDS: Final = float(TROT.touchdowns(1)[TROT.touchdowns(1) > LEAVES][0])
 EARLY: Final = LEAVES + 0.4 * (LANDS - LEAVES)
 
@@ -72,7 +72,7 @@ def planned() -> Iterator[Case]:
                    "POSE_JUMP", "POSE", skip="speed, stride length", events=(near,))
     for name, fault, says, skip, events in rows:
         yield Case(name, TROT, (fault,), says, skip=skip, events=events)
-    forward = through((3.0, 0.0), (3.5, 0.4), (4.5, 0.4), (5.0, 0.0))
+    forward = (3.0, 0.0), (3.5, 0.4), (4.5, 0.4), (5.0, 0.0)
     outside = Event("margin_below_zero", 3.25, 0.25, value=(-0.1, 0.005))
     yield Case("the base leaves its polygon", Scene(scenes.STILL, forward=forward),
                skip="verdict, path, margin, energy margin", events=(outside,))
@@ -133,8 +133,8 @@ def falls() -> Iterator[Case]:
         ("leans on a ramp", STANDS, ((8.5, 0.0), (9.3, 0.3)), LOADED, (), ()),
     )
     for name, height, roll, load, falls_s, events in rows:
-        scene = Scene(replace(scenes.MOVING, falls_s=falls_s), seconds=10.0, height=linear(height),
-                      roll=linear(roll), loads=(linear(load),) * 4)
+        truth = replace(scenes.MOVING, falls_s=falls_s)
+        scene = Scene(truth, seconds=10.0, height=height, roll=roll, loads=(load,) * 4)
         faults = tuple(fault for word, fault in special.items() if word in name)
         yield Case(f"a robot {name}", scene, faults, cause="FALL|FORWARD|POSE", events=events,
                    skip="class, strides, verdict, height, slope, impulse, margin, speed, climb")

@@ -251,26 +251,22 @@ def _no_steps(recording: Recording, found: Outcome) -> Iterator[Judged]:
 
 def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
     allow, truth, names = case.tolerance, recording.truth, recording.robot.feet
-    first = truth.feet[0]
     yield from _events(case, recording, found)
-    # Name, key, field of the truth, and how far it may be off.
+    # Name, key, whose first part is the truth's field, how far it may be off, and whether of it.
     of_feet = (
-        ("contact fraction", "contact_fraction", "contact_fraction", allow.contact),
-        ("duty factor", "duty_factor.mean", "duty_factor", allow.duty),
-        ("stride period", "stride_period_s.median", "stride_period_s",
-         allow.period * (first.stride_period_s or 1.0)),
-        ("stride length", "stride_length_m.mean", "stride_length_m",
-         allow.length * (first.stride_length_m or 1.0)),
-        ("peak force", "peak_vertical_force_n.mean", "peak_vertical_force_n",
-         allow.force * (first.peak_vertical_force_n or 1.0)),
-        ("braking", "braking_impulse_ns.mean", "braking_impulse_ns",
-         0.1 * (first.braking_impulse_ns or 1.0)),
-        ("slip", "slip_m.median", "slip_m", 0.004),
-    )  # fmt: skip
-    for name, key, field_of_truth, within in of_feet:
-        wanted = [getattr(each, field_of_truth) for each in truth.feet]
+        ("contact fraction", "contact_fraction", allow.contact, False),
+        ("duty factor", "duty_factor.mean", allow.duty, False),
+        ("stride period", "stride_period_s.median", allow.period, True),
+        ("stride length", "stride_length_m.mean", allow.length, True),
+        ("peak force", "peak_vertical_force_n.mean", allow.force, True),
+        ("braking", "braking_impulse_ns.mean", 0.1, True),
+        ("slip", "slip_m.median", 0.004, False),
+    )
+    for name, key, allowed, is_relative in of_feet:
+        wanted = [getattr(each, key.partition(".")[0]) for each in truth.feet]
         if None not in wanted and not (name == "slip" and recording.kind == "wrench"):
             keys = [f"feet.{foot}.{key}" for foot in names]
+            within = allowed * (wanted[0] or 1.0) if is_relative else allowed
             yield _numbers(case, found, name, keys, wanted, within)
     shares = [each.load_share for each in truth.feet]
     keys = [f"forces.load_share.feet.{foot}" for foot in names]
@@ -354,10 +350,7 @@ def _phases(case: Case, recording: Recording, found: Outcome) -> Judged:
 
 
 def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
-    for name, key, of_truth in (
-        ("touchdowns", "touchdown_s", "touchdown_s"),
-        ("lift-offs", "lift_off_s", "liftoff_s"),
-    ):
+    for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "lift_off_s")):
         missed = invented = silent_feet = 0
         errors: list[float] = []
         for foot, truth in zip(recording.robot.feet, recording.truth.feet, strict=True):
@@ -365,7 +358,7 @@ def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged
             if not len(reported) and found.figure(f"feet.{foot}.contact_fraction") is None:
                 silent_feet += 1
                 continue
-            true = np.array(getattr(truth, of_truth))
+            true = np.array(getattr(truth, key))
             late, extra = match_events(true, reported, recording.seconds, case)
             errors += [each for each in late if each is not None]
             missed += late.count(None)

@@ -26,7 +26,7 @@ class FootTruth:
 
     touchdown_s: tuple[float, ...]
     """Within the recording."""
-    liftoff_s: tuple[float, ...]
+    lift_off_s: tuple[float, ...]
     contact_fraction: float
     stance_s: float | None = None
     """None where the foot makes no stride; likewise the rest."""

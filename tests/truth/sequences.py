@@ -78,7 +78,7 @@ def _joined_truth(
     return replace(
         one,
         touchdown_s=(*one.touchdown_s, *lands, *(each + later for each in other.touchdown_s)),
-        liftoff_s=(*one.liftoff_s, *leaves, *(each + later for each in other.liftoff_s)),
+        lift_off_s=(*one.lift_off_s, *leaves, *(each + later for each in other.lift_off_s)),
         contact_fraction=down / sum(seconds),
     )
 

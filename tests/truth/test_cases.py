@@ -1,5 +1,6 @@
 """Each kind of log is measured right, or its figures are null and a finding names the cause."""
 
+import csv
 import re
 from collections import defaultdict
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from tests.truth.outcome import outcome
 from tests.truth.pose_cases import WAYS
 from tests.truth.pose_faults import silent
 from tests.truth.sensor_faults import as_force_sensors
+from tests.truth.validate import TABLE
 from tests.truth.walking import Walk
 
 VARIANT = re.compile(r", mirrored$| from mid-cycle$")
@@ -43,6 +45,13 @@ def test_right_or_null_with_the_cause_named(case: Case, tmp_path: Path) -> None:
         f"{each.figure}: {each.status}; true {each.truth}, result {each.result} {each.why}"
         for each in wrong
     )
+
+
+def test_the_table_has_every_kind() -> None:
+    with TABLE.open(encoding="utf-8") as file:
+        names = {row["log"] for row in csv.DictReader(file)}
+    missing = [case.name for case in all_cases() if case.name not in names]
+    assert missing == [], "run: make validate"
 
 
 def test_a_gap_of_poses_counts_neither_as_path_nor_as_time(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ CALF: Final = np.arange(12) == 2
 
 
 def measure(robot: Physics, **options: Any) -> dl.Walk:
-    return physics.measured(robot, **{"by_transforms": True, **options})
+    return physics.measured(robot, **{"by_transforms": True, "every": 2, **options})
 
 
 def named(*first: str) -> Physics:

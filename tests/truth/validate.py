@@ -13,7 +13,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -21,15 +21,13 @@ import dogbot_logtool as dl
 from tests.paths import ROOT
 from tests.truth.cases import groups
 from tests.truth.judging import faults, judge
-from tests.truth.outcome import Outcome, measured_log, nearest, outcome
+from tests.truth.outcome import measured_log, nearest, outcome
 from tests.truth.recording import Floats
 from tests.truth.test_without_sensors import ROBOTS, SOURCES, force_error_bw
 from tests.truth.without_sensors import write_log
 
 REACH_S: Final = 0.15
 _SUFFIX: Final = ".events.json"
-_KINDS: Final = (("heel_strike_s", "touchdown_s"), ("toe_off_s", "lift_off_s"))
-"""Key of the labels, key in the JSON."""
 
 
 def labelled_rows(folder: Path) -> Iterator[tuple[str, ...]]:
@@ -42,34 +40,26 @@ def labelled_rows(folder: Path) -> Iterator[tuple[str, ...]]:
     for file in sorted(folder.rglob(f"*{_SUFFIX}")):
         stem = file.name.removesuffix(_SUFFIX)
         log = next(path for path in file.parent.glob(f"{stem}.*") if path != file)
-        labels = json.loads(file.read_text(encoding="utf-8"))
-        found = measured_log(log)
-        duration_s = found.json["log"]["duration_s"]
-        for foot, events in labels.items():
-            fraction = found.figure(f"feet.{foot}.contact_fraction")
-            result = "null" if fraction is None else f"{fraction:.3f}"
-            true = f"{contact_fraction(events, duration_s):.3f}"
-            kinds = (_compared(events, found, foot, *kind) for kind in _KINDS)
-            yield log.name, foot, f"{true} → {result}", *kinds
+        found = measured_log(log).json
+        for foot, events in json.loads(file.read_text(encoding="utf-8")).items():
+            strikes, offs = np.array(events["heel_strike_s"]), np.array(events["toe_off_s"])
+            ends = np.append(offs, found["log"]["duration_s"])[np.searchsorted(offs, strikes)]
+            true = (ends - strikes).sum() / found["log"]["duration_s"]
+            told = found["feet"][foot]
+            fractions = f"{true:.3f} → {_number(told['contact_fraction'], 3)}"
+            late = _late(strikes, told["touchdown_s"]), _late(offs, told["lift_off_s"])
+            yield log.name, foot, fractions, *late
 
 
-def contact_fraction(events: dict[str, Any], duration_s: float) -> float:
-    """Return the part of the log between a heel strike and the toe-off after it."""
-    strikes, offs = (np.array(events[label]) for label, _ in _KINDS)
-    row = np.searchsorted(offs, strikes)
-    ends = np.append(offs, duration_s)[row]
-    return float((ends - strikes).sum() / duration_s)
-
-
-def _compared(events: dict[str, Any], found: Outcome, foot: str, label: str, key: str) -> str:
-    true: Floats = np.array(events[label])[1:-1]
-    result = np.array(found.figure(f"feet.{foot}.{key}") or [], np.float64)
-    errors = (nearest(result, true) - true) * 1e3
+def _late(true: Floats, found: Sequence[float]) -> str:
+    """Tell how many events are found, but for the first and the last, and how late."""
+    inner = true[1:-1]
+    errors = (nearest(np.array(found), inner) - inner) * 1e3
     errors = errors[np.abs(errors) <= 1e3 * REACH_S]
     if not len(errors):
-        return f"0 of {len(true)}"
+        return f"0 of {len(inner)}"
     spread = f"{errors.mean():+.0f} ± {errors.std():.0f} ms, at most {np.abs(errors).max():.0f} ms"
-    return f"{len(errors)} of {len(true)}, {spread}"
+    return f"{len(errors)} of {len(inner)}, {spread}"
 
 
 PAGE: Final = ROOT / "docs" / "validation.md"

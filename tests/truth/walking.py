@@ -103,7 +103,7 @@ class Walk:
         """Times of the foot's touchdowns in the recording, s."""
         return self._times(foot, 0.0)
 
-    def liftoffs(self, foot: int) -> Floats:
+    def lift_offs(self, foot: int) -> Floats:
         """Times of the foot's lift-offs in the recording, s."""
         return self._times(foot, self.gait.duty)
 
@@ -243,7 +243,7 @@ class Walk:
         duty, phases = self.gait.duty, self.gait.phases
         return FootTruth(
             touchdown_s=tuple(self.touchdowns(foot).tolist()),
-            liftoff_s=tuple(self.liftoffs(foot).tolist()),
+            lift_off_s=tuple(self.lift_offs(foot).tolist()),
             contact_fraction=self._contact_fraction(foot),
             stance_s=self.stance_s,
             swing_s=self.period_s - self.stance_s,

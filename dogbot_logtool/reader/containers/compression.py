@@ -18,7 +18,6 @@ _MAX_RATIO: Final = 40
 """Larger chunks than `_UNSUSPICIOUS_SIZE` must not claim to shrink by more than this."""
 
 _LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
-_LZ4_BLOCK_CHECKSUMS: Final = 0x10
 _CODEC_ERRORS: Final = (
     zstandard.ZstdError,
     lz4.block.LZ4BlockError,
@@ -48,31 +47,31 @@ def decompress_into(target: Bytes, data: memoryview, compression: str) -> int:
         compression: ``none`` or empty, ``lz4``, ``bz2`` or ``zstd``.
 
     Returns:
-        the number of bytes that can be trusted: n, or fewer if the data is cut off in a
-        compression whose blocks have checksums of their own.
+        the number of bytes: n, or fewer if they are not compressed and cut off.
 
     Raises:
         ChunkDamage: the data is damaged, or of another size than claimed.
     """
+    is_plain = compression in {"", "none"}
     try:
         match compression:
             case "" | "none":
-                size, whole = _copy_into(target, data), False
+                size = _copy_into(target, data)
             case "zstd":
-                size, whole = _unzstd_into(target, data), True
+                size = _unzstd_into(target, data)
             case "lz4":
-                content, whole = _unlz4(data, len(target))
-                size = _copy_into(target, content)
+                size = _copy_into(target, _unlz4(data, len(target)))
             case "bz2":
-                decompressor = bz2.BZ2Decompressor()
-                size = _copy_into(target, decompressor.decompress(data, len(target) + 1))
-                whole = decompressor.eof
+                content = bz2.BZ2Decompressor().decompress(data, len(target) + 1)
+                size = _copy_into(target, content)
             case _:
                 raise ChunkDamage(f"its compression {compression!r} is not known")
     except _CODEC_ERRORS as error:
         raise ChunkDamage(f"its {compression} data is damaged ({error})") from error
-    if size > len(target) or (whole and size < len(target)):
+    if size > len(target):
         raise ChunkDamage(f"it claims to hold {len(target)} bytes but does not")
+    if size < len(target) and not is_plain:
+        raise ChunkDamage(f"its {compression} data is damaged or cut off")
     return size
 
 
@@ -90,35 +89,28 @@ def _unzstd_into(target: Bytes, data: memoryview) -> int:
         return size + len(stream.read(1))
 
 
-def _unlz4(data: memoryview, size: int) -> tuple[bytes, bool]:
+def _unlz4(data: memoryview, size: int) -> bytes:
     """Decompress an LZ4 frame.
 
     Recorders write frames of a single block, which the block decoder takes several times faster
     than the frame decoder; the frame's content checksum is then verified here. Any other frame
     goes to the frame decoder.
 
-    Returns:
-        the content, and whether it is all of it.
-
     Raises:
-        ValueError: the frame is cut off and nothing vouches for its blocks.
+        ValueError: the frame is cut off, or its checksum does not hold.
     """
     block = _single_block(data)
     if block is None:
         decompressor = lz4.frame.LZ4FrameDecompressor()
         content = bytes(decompressor.decompress(data, max_length=size + 1))
-        if not decompressor.eof and len(content) <= size and not _has_block_checksums(data):
+        if not decompressor.eof and len(content) <= size:
             raise ValueError("it is cut off")
-        return content, decompressor.eof
+        return content
     body, checksum = block
     content = bytes(lz4.block.decompress(body, uncompressed_size=size))
     if checksum is not None and xxhash.xxh32_intdigest(content) != checksum:
         raise ValueError("content checksum does not hold")
-    return content, True
-
-
-def _has_block_checksums(data: memoryview) -> bool:
-    return len(data) > 4 and bool(data[4] & _LZ4_BLOCK_CHECKSUMS)
+    return content
 
 
 def _single_block(data: memoryview) -> tuple[memoryview, int | None] | None:
@@ -131,7 +123,7 @@ def _single_block(data: memoryview) -> tuple[memoryview, int | None] | None:
     if len(data) < 15 or bytes(data[:4]) != _LZ4_MAGIC:
         return None
     flags = data[4]
-    block_checksums, content_size = flags & _LZ4_BLOCK_CHECKSUMS, flags & 0x08
+    block_checksums, content_size = flags & 0x10, flags & 0x08
     content_checksum, dictionary = flags & 0x04, flags & 0x01
     start = 7 + (8 if content_size else 0)
     length = int.from_bytes(data[start : start + 4], "little")

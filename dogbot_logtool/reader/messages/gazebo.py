@@ -5,6 +5,7 @@ puts the states of several steps into one message; which of them a state belongs
 text `info` alone. The new Gazebo's messages are one step each.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
@@ -13,7 +14,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dogbot_logtool.core.arrays import Bytes, Flags, Ints, sum_by_group
+from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct, sum_by_group
 from dogbot_logtool.core.contact.contacts import (
     FOOT_IS_COLLISION1,
     FOOT_IS_COLLISION2,
@@ -31,10 +32,8 @@ from dogbot_logtool.reader.messages.messages import DecodedMessages
 UNTIMED: Final = int(np.iinfo(np.int64).min)
 """The time of a text that tells none, and the lag of a message that tells no physics step."""
 _GROUND_WORDS: Final = ("ground", "plane", "terrain", "heightmap", "floor", "world")
-_INFO_TAIL: Final = 48
-"""Bytes at the end of `info` that hold the time of the physics step, and more."""
-_MOST_DIGITS: Final = 18
-"""Of a number; more may not fit into an int64."""
+_TIME: Final = r"(?a)time:[\s\[]*(\d{1,10})\.(\d{1,9})[\s\]]*$"
+"""End of `info`: seconds and nanoseconds of the physics step."""
 
 
 class PairStates(NamedTuple):
@@ -145,50 +144,31 @@ def step_times(info: Texts) -> Ints:
     It reads ``time:12.345000000`` in ROS 1 and ``time: [12.345]`` in ROS 2: behind the point stand
     nanoseconds, which ROS 1 fills up with zeros and ROS 2 does not.
     """
-    if not len(info.start):
-        return info.start
-    alike = _times_of_alike(info)
-    if alike is not None:
-        return alike
-    size = min(_INFO_TAIL, len(info.buffer))
-    first, column = np.maximum(info.end - size, 0), np.arange(size)
-    begin, end = (info.start - first)[:, None], (info.end - first)[:, None]
-    tail = np.where(
-        (column >= begin) & (column < end), gather_bytes(info.buffer, first, size), np.uint8(0)
-    )
-    colon = size - 1 - (tail == ord(":"))[:, ::-1].argmax(axis=1)
-    before = np.maximum(colon[:, None] + np.arange(-4, 1), 0)
-    timed = (np.take_along_axis(tail, before, 1) == np.frombuffer(b"time:", np.uint8)).all(axis=1)
-    seconds, nanoseconds = np.zeros((2, len(tail)), np.int64)
-    behind_point = np.zeros(len(tail), np.bool_)
-    for place in range(int(colon.min()) + 1, size):
-        letter, here = tail[:, place], place > colon
-        digit = _is_digit(letter) & here
-        for number, own in ((seconds, digit & ~behind_point), (nanoseconds, digit & behind_point)):
-            number[own] = 10 * number[own] + letter[own] - ord("0")
-        behind_point |= (letter == ord(".")) & here
-    return np.where(timed, seconds * 1_000_000_000 + nanoseconds, UNTIMED)
+    times = np.full(len(info.start), UNTIMED)
+    for size in distinct(info.length).tolist():
+        rows = np.flatnonzero(info.length == size)
+        times[rows] = _times_of_one_length(info.pick(rows))
+    return times
 
 
-def _times_of_alike(info: Texts) -> Ints | None:
-    """(s,) ns, if all texts end alike but for the digits, as is usual; else None."""
-    text = info.text(0)
-    size = len(text) - text.rfind("time:") if text.isascii() and "time:" in text else 0
-    if not 0 < size <= _INFO_TAIL or int(info.length.min()) < size:
-        return None
-    tail = gather_bytes(info.buffer, info.end - size, size)
-    digit = _is_digit(tail[0])
-    if (tail != tail[0])[:, ~digit].any() or not _is_digit(tail[:, digit]).all():
-        return None
-    behind_point = np.cumsum(tail[0] == ord(".")) > 0
-    numbers = [tail[:, digit & side] for side in (~behind_point, behind_point)]
-    if max(each.shape[1] for each in numbers) > _MOST_DIGITS:
-        return None
-    seconds, nanoseconds = (
-        (each - np.uint8(ord("0"))).astype(np.int64) @ 10 ** np.arange(each.shape[1])[::-1]
-        for each in numbers
-    )
-    return np.asarray(seconds * 1_000_000_000 + nanoseconds)
+def _times_of_one_length(info: Texts) -> Ints:
+    """(s,) ns, of texts of one length, which mostly are alike but for the digits at their end."""
+    if found := re.search(_TIME, info.text(0)):
+        tail = gather_bytes(info.buffer, info.end - len(found[0]), len(found[0]))
+        digit = _is_digit(tail[0])
+        if (tail == tail[0])[:, ~digit].all() and _is_digit(tail[:, digit]).all():
+            start, point, end = found.start(1), found.end(1), found.end(2)
+            seconds = _numbers(tail[:, start - found.start() : point - found.start()])
+            nanoseconds = _numbers(tail[:, point + 1 - found.start() : end - found.start()])
+            return np.asarray(seconds * 1_000_000_000 + nanoseconds)
+    each = (re.search(_TIME, info.text(row)) for row in range(len(info.start)))
+    return np.array([int(t[1]) * 1_000_000_000 + int(t[2]) if t else UNTIMED for t in each])
+
+
+def _numbers(digits: Bytes) -> Ints:
+    """(s,) numbers of which each row has the digits."""
+    values = digits.astype(np.int64) - ord("0")
+    return np.asarray(values @ 10 ** np.arange(digits.shape[1])[::-1])
 
 
 def _is_digit(letters: Bytes) -> Flags:

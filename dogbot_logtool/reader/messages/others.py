@@ -7,7 +7,6 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import (
     Floats,
-    Ints,
     concatenated,
     header_time,
     picked,
@@ -17,8 +16,6 @@ from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.prepared import plausible_translations
 from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.columns import Table, Texts
-from dogbot_logtool.reader.decode.paths import FieldPath
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, malformed_in
 from dogbot_logtool.reader.messages.source import Source, source_of
@@ -74,7 +71,8 @@ def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...],
     name = source.paths["joint"][0] if source.row.joint else None
     if name is not None and len(name.texts(table)[0]):
         key = name
-        parent, joint, names = _named_joints(name, table)
+        parent, called = name.texts(table)
+        joint, names = called.encode()
     else:
         key, names = paths[0], source.row.joints
         nested = table.nested(key.arrays[0].path)
@@ -96,22 +94,6 @@ def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...],
         found.append(matrix)
     stamp = header_time(source.stamps(messages), messages.log_time)
     return names[:most], JointSamples(messages.log_time, stamp, *found)
-
-
-def _named_joints(name: FieldPath, table: Table) -> tuple[Ints, Ints, tuple[str, ...]]:
-    """Return the message and the joint of each name, (m,), and the different names."""
-    parent, called = name.texts(table)
-    count = len(parent) // table.rows
-    if count and np.array_equal(parent, np.repeat(np.arange(table.rows), count)):
-        start, length = (each.reshape(-1, count) for each in (called.start, called.length))
-        # All names of a message, with what lies between them: they are alike in nearly all logs.
-        whole = Texts(called.buffer, start[:, 0], start[:, -1] + length[:, -1] - start[:, 0])
-        ends = np.stack([start, start + length]) - start[:, :1]
-        names = tuple(called.text(row) for row in range(count))
-        is_alike = (ends == ends[:, :1]).all() and len(whole.encode()[1]) == 1
-        if is_alike and len(set(names)) == count:
-            return parent, np.tile(np.arange(count), table.rows), names
-    return parent, *called.encode()
 
 
 # Vectors

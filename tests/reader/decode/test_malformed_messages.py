@@ -2,7 +2,6 @@
 
 import tracemalloc
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from typing import Any, Final
 
@@ -11,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.decode import MAX_VARIABLE_ELEMENTS
 from tests.reader.decode.oracle import (
     WIRES,
@@ -23,7 +21,6 @@ from tests.reader.decode.oracle import (
     decode_messages,
     define,
     definitions,
-    dotted_paths,
     generated,
     ros_of,
 )
@@ -110,26 +107,6 @@ def verdict(author: Author, wire: Wire, message: bytes, first: bytes) -> tuple[b
     return True, value
 
 
-@pytest.mark.parametrize("wire", WIRES)
-@settings(generated, max_examples=15)
-@given(data=st.data(), seed=st.integers(0, 2**32))
-def test_a_message_is_judged_the_same_when_it_is_alone_in_its_buffer(
-    wire: Wire, data: st.DataObject, seed: int
-) -> None:
-    definition = data.draw(definitions(ros_of(wire)))
-    paths = sorted(set(dotted_paths(definition)))
-    wanted = data.draw(st.none() | st.lists(st.sampled_from(paths))) if paths else None
-    layout = definition.layout(wire, wanted)
-    author = Author(definition, wire, seed)
-    message = author.write(1)[0]
-    damaged = [variant for damage in DAMAGES.values() for variant in damage(message)]
-
-    for variant in thinned(damaged, 20, seed):
-        accepted, _ = verdict(author, wire, variant, variant)
-        decoded = decode_alone(layout, variant)
-        assert accepted is None or decoded.sound.tolist() == [accepted]
-
-
 def test_a_truncated_message_alone_is_unsound_though_wanted_fields_lie_far_apart() -> None:
     text = "uint8[10] a\nuint8[900] b\nfloat64 c\nuint8[200] d\nfloat64 e"
     layout = define(1, text).layout("ros1", ("a", "c", "e"))
@@ -170,22 +147,9 @@ def test_counts_that_no_message_can_hold_allocate_nothing() -> None:
     assert peak < 100 * sum(len(message) for message in hostile)
 
 
-def test_absurdly_large_messages_are_unsound_and_allocate_nothing_if_defined_at_all() -> None:
-    definition = define(1, "uint8[2000000000] x")
-
-    with suppress(DefinitionError):
-        decoded = decode_messages(definition.layout("ros1"), [b"abc"] * 5000)
-        assert not decoded.sound.any()
-
-
-def test_the_size_of_absurdly_large_elements_does_not_overflow_if_they_are_defined_at_all() -> None:
-    # 4 * (2**31 - 1) bytes an element, times 2**31: more than an int64 counts to.
-    large = "\n".join(f"uint8[2147483647] x{index}" for index in range(4))
-    definition = define(1, "Large[] many", Large=large)
-
-    with suppress(DefinitionError):
-        decoded = decode_messages(definition.layout("ros1"), [b"\0\0\0\x80"] * 1000)
-        assert not decoded.sound.any()
+def test_absurdly_large_messages_allocate_nothing() -> None:
+    layout = define(1, "uint8[2000000000] x").layout("ros1")
+    assert not decode_messages(layout, [b"abc"] * 5000).sound.any()
 
 
 @pytest.mark.parametrize(("excess", "sound"), [(0, True), (1, False)])
@@ -198,17 +162,6 @@ def test_arrays_of_uneven_elements_have_a_limit(excess: int, sound: bool) -> Non
     decoded = decode_messages(definition.layout("ros1"), [neighbour, message, neighbour])
 
     assert decoded.sound.tolist() == [True, sound, True]
-
-
-def test_arrays_of_even_elements_have_no_limit() -> None:
-    definition = define(1, "uint16[] numbers")
-    count = 5 * MAX_VARIABLE_ELEMENTS
-    message = count.to_bytes(4, "little") + bytes(2 * count)
-
-    decoded = decode_messages(definition.layout("ros1"), [message])
-
-    assert decoded.sound.all()
-    assert decoded.table.nested("numbers").table.rows == count
 
 
 def test_an_array_of_empty_messages_cannot_claim_more_elements_than_bytes() -> None:

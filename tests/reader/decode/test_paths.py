@@ -17,7 +17,6 @@ from dogbot_logtool.reader.decode.paths import (
     Want,
     parse_field_path,
     path_of,
-    readable_fields,
 )
 
 STATE: Final = parse_definition(
@@ -49,30 +48,6 @@ float64 w
 """,
     "ros2msg",
 )
-
-
-@pytest.mark.parametrize(
-    ("text", "want"),
-    [
-        ("mode", "number"),
-        ("mode&8", "number"),
-        ("legs[].label", "text"),
-        ("legs[2].force.x", "number"),
-        ("legs[-1].force.x", "number"),
-        ("legs[].flags[1]", "number"),
-        ("loads[0:3 by 3]", "xyz"),
-        ("loads[3]", "number"),
-        ("cells[6:9 by 3 of 18+]", "xyz"),
-    ],
-)
-def test_paths_that_a_definition_has(text: str, want: Want) -> None:
-    assert path_of(text, want, STATE).columns
-
-
-@pytest.mark.parametrize("text", ["", ".", "mode..b", "mode[", "cells[-2]", "cells[1:2:3]", "1a"])
-def test_what_is_no_path_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="is no path of a field"):
-        path_of(text, "number", STATE)
 
 
 @pytest.mark.parametrize(
@@ -179,9 +154,3 @@ def test_paths_that_fit(path: str, width: int, *, is_integer: bool) -> None:
 def test_paths_that_do_not_fit_say_what_there_is(path: str, expected: str) -> None:
     with pytest.raises(DefinitionError, match=re.escape(expected)):
         parse_field_path(STATE, path)
-
-
-def test_all_numbers_and_vectors_are_listed() -> None:
-    paths = [path for path, _ in readable_fields(STATE)]
-    assert {"legs[].force", "legs[].force.x", "legs[].flags[]", "loads[]", "down"} <= {*paths}
-    assert not {"name", "legs[].turn"} & {*paths}

@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -18,7 +17,6 @@ from dogbot_logtool.reader.containers.bag.records import (
     header_fields,
     nanoseconds,
     record_at,
-    record_bounds,
     record_in_file,
 )
 from dogbot_logtool.reader.containers.descriptions import Description
@@ -42,8 +40,6 @@ _LARGEST_PADDING: Final = 4096
 _INDEX_RECORD_SIZE: Final = 55
 """Bytes of an index record besides its entries, as every recorder writes it."""
 _INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
-_RECURRING_SIZE: Final = 64
-"""Headers of index records are mostly shorter, and come again behind every chunk."""
 _NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it was read without it"
 
 
@@ -253,28 +249,13 @@ def _connection(record: bytes) -> Description | None:
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
     try:
-        header_end, end = record_bounds(behind, offset, len(behind))
-        header = bytes(behind[offset + 4 : header_end])
-        recurs = len(header) <= _RECURRING_SIZE
-        connection = (_recurring_connection if recurs else _indexed_connection)(header)
+        record = record_at(behind, offset, len(behind))
+        if record.op() != BagOp.INDEX:
+            return None
+        connection = record.number("conn")
     except MalformedRecord:
         return None
-    return channel_id(connection), behind[header_end + 4 : end], end
-
-
-def _indexed_connection(header: bytes) -> int:
-    """Return the connection whose messages an index record names.
-
-    Raises:
-        MalformedRecord: it is no index record.
-    """
-    record = Record(header, 0, 0)
-    if record.op() != BagOp.INDEX:
-        raise MalformedRecord("it is a record of another kind")
-    return record.number("conn")
-
-
-_recurring_connection: Final = lru_cache(maxsize=1024)(_indexed_connection)
+    return channel_id(connection), behind[record.data : record.end], record.end
 
 
 def open_log(source: ByteSource, distribution: str) -> RecordLog:

@@ -14,14 +14,13 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints
+from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD, RECORD_HEAD
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Extra, Schema
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.records import Read, Records
 from dogbot_logtool.reader.decode.columns import gather
 
-RECORD_HEAD: Final = struct.Struct("<BQ")
-"""Opcode and length of the content, before every record."""
 CHUNK_HEAD: Final = struct.Struct("<QQQII")
 """Start time, end time, decompressed size, CRC, and length of the compression's name."""
 _LONGEST_NAME: Final = 16
@@ -35,17 +34,6 @@ LARGEST_PADDING: Final = 64
 _MALFORMED: Final = (McapError, struct.error, ValueError, OverflowError)
 
 _Record = TypeVar("_Record", bound=records.McapRecord)
-MESSAGE_HEAD: Final = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<i8"),
-        ("publish_time", "<i8"),
-    ]
-)
-"""A message record up to its payload."""
 _MESSAGE_COLUMNS: Final = ("channel", "log_time", "publish_time", "sequence")
 MESSAGE_CONTENT_SIZE: Final = 22
 """Bytes of a message record's content before its payload."""

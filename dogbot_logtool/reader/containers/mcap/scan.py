@@ -1,15 +1,14 @@
 """The chunks, descriptions and other records of an MCAP file: by its summary, or by all records."""
 
-import struct
 from collections import Counter
 from collections.abc import Mapping
 from operator import attrgetter, itemgetter
 from typing import Final
 
-import numpy as np
 from mcap import records
 from mcap.opcode import Opcode
 
+from dogbot_logtool.io.mcap_layout import INDEX_ENTRY, INDEX_HEAD, RECORD_HEAD
 from dogbot_logtool.reader.containers.log import (
     Channel,
     Chunk,
@@ -24,7 +23,6 @@ from dogbot_logtool.reader.containers.mcap.records import (
     FIRST_PRIVATE_OPCODE,
     LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
-    RECORD_HEAD,
     McapFormat,
     chunk_at,
     described,
@@ -49,9 +47,6 @@ from dogbot_logtool.reader.containers.source import ByteSource, in_groups
 
 _NO_ACCIDENT: Final = 4
 """So many messages behind each other are believed, though their channel is not described yet."""
-_INDEX_ENTRY: Final = np.dtype([("log_time", "<i8"), ("offset", "<u8")])
-_INDEX_HEAD: Final = struct.Struct("<BQHI")
-"""Opcode and length of an index record, channel, and bytes of its entries."""
 _LARGEST_TIME: Final = 2**63 - 1
 _LENGTHS: Final = attrgetter("end", "data_offset", "data_size", "size", "compression")
 
@@ -222,7 +217,7 @@ class McapLog(RecordLog):
         return crc, (Loss(chunk.offset, what),)
 
     def _index_of(self, behind: memoryview) -> Index | None:
-        return read_index(behind, _index_record, _INDEX_ENTRY, itemgetter("log_time"))
+        return read_index(behind, _index_record, INDEX_ENTRY, itemgetter("log_time"))
 
     def _described_channels(self) -> Mapping[int, Channel]:
         schemas = {
@@ -275,10 +270,10 @@ class McapLog(RecordLog):
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
-    if offset + _INDEX_HEAD.size > len(behind):
+    if offset + INDEX_HEAD.size > len(behind):
         return None
-    opcode, length, channel, size = _INDEX_HEAD.unpack_from(behind, offset)
-    start, end = offset + _INDEX_HEAD.size, offset + RECORD_HEAD.size + length
+    opcode, length, channel, size = INDEX_HEAD.unpack_from(behind, offset)
+    start, end = offset + INDEX_HEAD.size, offset + RECORD_HEAD.size + length
     if opcode != Opcode.MESSAGE_INDEX or not start + size <= end <= len(behind):
         return None
     return channel, behind[start : start + size], end

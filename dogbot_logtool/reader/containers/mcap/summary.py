@@ -8,9 +8,10 @@ from mcap import records
 from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
+from dogbot_logtool.io.mcap_layout import RECORD_HEAD
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, RECORD_HEAD, decode_record
+from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, decode_record
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.source import ByteSource
 
