@@ -55,7 +55,8 @@ def test_the_table_has_every_kind() -> None:
 
 
 def test_heights_over_feet_stay_where_z_is_counted_anew(tmp_path: Path) -> None:
-    recording = CASES["odometry counts z anew from mid-log on"].record()
+    names = {case.name: case for case in all_cases()}
+    recording = names["odometry counts z anew from mid-log on"].record()
     found = outcome(recording, tmp_path)
     assert found.figure("base.height_m.mean") == pytest.approx(recording.truth.height_m, rel=0.02)
 
