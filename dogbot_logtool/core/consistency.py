@@ -166,8 +166,6 @@ class Worlds(NamedTuple):
 
     distance_m: float
     """m, median horizontal distance of the base from the centroid of the feet's usual positions."""
-    largest_m: float
-    """m, the largest, averaged over a window."""
     spread_m: float
     """m, distance of the outermost foot's usual position from that centroid."""
     beyond_fraction: float
@@ -224,6 +222,8 @@ def compare_worlds(
         ]
     )[:, :windows]
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
+    if not known.any():
+        return None
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
     farthest = spread if len(placed) == len(feet) else PART_OF_FEET * spread
@@ -233,7 +233,6 @@ def compare_worlds(
     drifts = len(away) >= FEWEST_WINDOWS and steadiness >= STEADY
     return Worlds(
         distance_m=float(median_of(distance)),
-        largest_m=float(distance.max()),
         spread_m=spread,
         beyond_fraction=float((distance > farthest).mean()),
         shift_m=float(np.hypot(*(drift if drifts else change))),
@@ -285,8 +284,6 @@ _LAGS_S: Final = np.linspace(-_LATEST_S, _LATEST_S, 101)
 class Delay(NamedTuple):
     """By how much the base comes after the forces that drive it, by the best fit."""
 
-    correlation: float
-    """At that delay."""
     delay_s: float
     low_s: float
     """s: delays from here are as likely for all that the log can tell."""
@@ -357,7 +354,7 @@ def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
         return None
     likely = _LAGS_S[correlation**2 >= LIKELY * correlation[best] ** 2]
     low, high = float(likely.min()), float(likely.max())
-    return Delay(float(correlation[best]), float(_LAGS_S[best]), low, high)
+    return Delay(float(_LAGS_S[best]), low, high)
 
 
 def _driven_heave(force: Floats, window: int) -> Floats:

@@ -111,7 +111,7 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
         tilt_rad=None if reading == "unclear" else tilt_rad,
         forces_over_accelerometer=None if forces is None else forces.ratio,
     )
-    return ImuComparison(metrics, reading, scale, mounting is not None, turned_rad, forces)
+    return ImuComparison(metrics, reading, scale, turned_rad, forces)
 
 
 def _reading(size: float, scale: float, off: float) -> Reading:

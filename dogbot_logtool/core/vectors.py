@@ -180,7 +180,6 @@ class ImuComparison(NamedTuple):
     reading: Reading
     scale: float
     """Reading over expected value."""
-    mounting_recorded: bool
     turned_rad: float | None
     """Turn of the horizontal accelerations against those of poses, to the left; None: none that is
     clear."""

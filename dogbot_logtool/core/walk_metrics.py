@@ -10,12 +10,11 @@ from typing import Any, Final
 
 from dogbot_logtool.core import metrics, timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.checks.engine import questions_of
+from dogbot_logtool.core.checks.engine import null_because, questions_of
 from dogbot_logtool.core.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import no_gait, with_support
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
-from dogbot_logtool.core.nulls import null_because
 from dogbot_logtool.core.records import copied, fields_of, unknown, void
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding

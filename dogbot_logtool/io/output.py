@@ -274,7 +274,7 @@ def output_at(word: str | None, ending: str, *, several: bool) -> Output:
         return Output(Path(), is_folder=True)
     refuse_no_name(word)
     path = storage.location(word)
-    if ends_in_slash(word) or _is_folder(path):
+    if ends_in_slash(word) or (isinstance(path, Path) and storage.is_folder(path)):
         return Output(path, is_folder=True)
     suffix = "." + ending.rpartition(".")[2]
     refuse_other_format(path, suffix)
@@ -346,14 +346,6 @@ def refuse_other_format(target: Location, suffix: str) -> None:
 def ends_in_slash(word: str) -> bool:
     """Tell whether a word says by its end that it names a directory."""
     return word.endswith(tuple({"/", os.sep}))
-
-
-def _is_folder(path: Location) -> bool:
-    try:
-        return isinstance(path, Path) and path.is_dir()
-    except OSError:
-        # A name that no disk takes; opening it tells.
-        return False
 
 
 def targets(

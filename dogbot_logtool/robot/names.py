@@ -192,7 +192,7 @@ def _sets(group: Group) -> Iterator[FootSet]:
         for topic, words in own.items():
             parts.setdefault(tuple(words[at].text for at in others), {})[topic] = words
     is_grid = len(of_leg) > 1 and all(len(part) == len(of_leg) for part in parts.values())
-    if is_grid and _are_places(group, legs, others):
+    if kind != "numbers" and is_grid and _are_places(group, legs, others):
         yield _as_feet(group, legs, kind, [part for _, part in sorted(parts.items())])
         return
     for part in parts.values() if len(parts) > 1 else ():

@@ -52,9 +52,9 @@ def finish_chunks(messages: MessageRecords, compression: Compression) -> Iterato
 
 
 def finish_chunk(messages: MessageRecords, compression: Compression) -> FinishedChunk:
-    """Compress the messages of one chunk and index them."""
+    """Compress the messages of one chunk, at least one, and index them."""
     data = messages.data
-    start, end = time_range(messages.log_time)
+    start, end = int(messages.log_time.min()), int(messages.log_time.max())
     compressed = _compress(data, compression)
     name = "" if compression == "none" else compression
     builder = RecordBuilder()
@@ -98,11 +98,6 @@ def indexed_channels(index: Bytes) -> Iterator[tuple[int, int, int]]:
         if opcode == Opcode.MESSAGE_INDEX and entries:
             yield channel, first, entries // INDEX_ENTRY.itemsize
         first += RECORD_HEAD.size + length
-
-
-def time_range(log_time: Ints) -> tuple[int, int]:
-    """Return the earliest and the latest time, 0 for none."""
-    return (int(log_time.min()), int(log_time.max())) if len(log_time) else (0, 0)
 
 
 def _compress(data: Bytes, compression: Compression) -> bytes:

@@ -193,14 +193,12 @@ def _orientation(
     walk: Walk, own: Motion, feet: Comparison | None, windows: Ints
 ) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
-    gyroscope, least = _inertial(walk, windows)[0], TURNS_RAD
     if feet is not None and walk.witness is not None and walk.witness.tells_turn:
-        by, told, turns = feet.by, feet.reference.turn, feet.own.turn
-    elif np.nan_to_num(gyroscope).any():
-        by, told, turns = "the gyroscope", gyroscope, own.turn
+        by, told, turns, least = feet.by, feet.reference.turn, feet.own.turn, TURNS_RAD
     else:
-        by, told, turns = "its course", _course_turns(walk, windows), own.turn
-        least = 2.0 * TURNS_RAD
+        by, told, turns, least = "the gyroscope", _inertial(walk, windows)[0], own.turn, TURNS_RAD
+        if not np.nan_to_num(told).any():
+            by, told, least = "its course", _course_turns(walk, windows), 2.0 * TURNS_RAD
     both = np.isfinite(told) & np.isfinite(turns)
     turned, own_turn = float(told[both].sum()), float(turns[both].sum())
     if abs(turned) > least and own_turn * np.sign(turned) < TURNS_WITH * abs(turned):
