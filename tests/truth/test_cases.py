@@ -54,6 +54,13 @@ def test_the_table_has_every_kind() -> None:
     assert missing == [], "run: make validate"
 
 
+def test_heights_over_feet_stay_where_z_is_counted_anew(tmp_path: Path) -> None:
+    names = {case.name: case for case in all_cases()}
+    recording = names["odometry counts z anew from mid-log on"].record()
+    found = outcome(recording, tmp_path)
+    assert found.figure("base.height_m.mean") == pytest.approx(recording.truth.height_m, rel=0.02)
+
+
 def test_a_gap_of_poses_counts_neither_as_path_nor_as_time(tmp_path: Path) -> None:
     recording = silent(3.0, 4.0)(Walk().recorded(200.0, 100.0))
     found = outcome(recording, tmp_path)
