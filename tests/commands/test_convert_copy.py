@@ -16,7 +16,6 @@ from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.commands.conversions import COMPRESSIONS, chunks_of, converted, opening_of
 from tests.oracles import base_walks
 from tests.oracles.annotated_file import ENCODED, described_robots, read_written
-from tests.oracles.foot_logs import CONTACTS, write_log
 from tests.oracles.recorded import (
     DESCRIPTION,
     FEET,
@@ -27,7 +26,7 @@ from tests.oracles.recorded import (
     read_log,
 )
 from tests.oracles.ros1_logs import small_walk, write_ros1_mcap
-from tests.oracles.small_logs import first_seconds
+from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
 from tests.paths import TROT, TROUBLED, WALK
 from tests.reader.mcap_bytes import CHUNK, DATA_END, FOOTER, MAGIC, record, text
 

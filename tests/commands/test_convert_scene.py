@@ -23,11 +23,10 @@ from tests.oracles.annotated_file import (
     written_transforms,
 )
 from tests.oracles.conversion import xyz
-from tests.oracles.foot_logs import CONTACTS, write_log
 from tests.oracles.frames import Frames, turn_of
 from tests.oracles.recorded import TF_TYPE, S
 from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
-from tests.oracles.small_logs import first_seconds
+from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
 from tests.oracles.state_walks import StateWalk
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.truth import physics

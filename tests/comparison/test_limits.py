@@ -19,6 +19,7 @@ from dogbot_logtool.errors import CallError
         ("rules = 1", "rules is not known; rules begin with [[rule]]"),
         ("[rule]\nfigure = 'a'", "in double brackets"),
         ("[[rule]]\nat_most = 1", "line 1: rule 1: needs one of figure, finding and event"),
+        ("[[rule]]\nfigure = 'a'\nevent = 'b'", "needs one of"),
         ("[[rule]]\nfigure = 'a'", "rule 1: needs one of between, at_least"),
         ("[[rule]]\nfigure = 3\nat_most = 1", "figure is 3; it must be a text"),
         ("[[rule]]\nfigure = 'a'\nat_mots = 1", "at_mots is not known"),

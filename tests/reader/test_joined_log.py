@@ -47,14 +47,6 @@ def by_sensor_late_first(entries: Entries) -> list[Entries]:
     return [*by_sensor(entries[half:]), *by_sensor(entries[:half])]
 
 
-def later_half_first(entries: Entries) -> list[Entries]:
-    return [[*entries[len(entries) // 2 :], *entries[: len(entries) // 2]]]
-
-
-def backwards(entries: Entries) -> list[Entries]:
-    return [entries[::-1]]
-
-
 def late_by_chance(entries: Entries) -> list[Entries]:
     """Each is written up to 0.2 s after it was received."""
     chance = random.Random(1)  # noqa: S311 - no secret
@@ -68,7 +60,7 @@ def from_both_ends(entries: Entries) -> list[Entries]:
 
 
 JOINED: Final = (in_thirds, by_sensor, by_sensor_late_first)
-OUT_OF_ORDER: Final = (later_half_first, backwards, late_by_chance, from_both_ends)
+OUT_OF_ORDER: Final = (late_by_chance, from_both_ends)
 
 
 def write(folder: Path, ros: int, parts: list[Entries]) -> list[Path]:

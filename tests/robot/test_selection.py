@@ -17,7 +17,7 @@ import pytest
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.options.info import InfoOptions
 from tests.oracles import base_walks, field_logs, state_walks, walks
-from tests.oracles.foot_logs import CONTACTS, WRENCH, write_log
+from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 from tests.oracles.state_walks import StateWalk
 from tests.paths import ROOT
 

@@ -13,7 +13,7 @@ from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.selection import Selection, select_topics
 from tests import forked_cli
 from tests.forked_cli import Ended
-from tests.oracles.foot_logs import CONTACTS, WRENCH, write_log
+from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 
 LEGS = ("front_left", "front_right", "back_left", "back_right")
 DOGBOT = {f"/dogbot/{leg}_contactsensor_state": CONTACTS for leg in LEGS}

@@ -111,7 +111,7 @@ def estimate(
     inertial, points, ground = feet.inertial, feet.points, feet.ground
     force, why = _forces(joints, motions, points, inertial, mass_kg)
     standing = ground.resting
-    if force is not None:
+    if not why:
         vertical = np.einsum("nfi,ni->nf", force, inertial.up)
         standing = loaded_feet(seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
     standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
@@ -126,17 +126,11 @@ def estimate(
         placed = replace(base, position=poses.position_at(joints.time), orientation=turned)
     return Estimate(
         feet=tuple(
-            _samples(
-                foot,
-                standing[:, foot],
-                points[:, foot],
-                None if force is None else force[:, foot],
-                placed,
-            )
+            _samples(foot, standing[:, foot], points[:, foot], force[:, foot], placed)
             for foot in range(len(legs))
         ),
         base=base,
-        contact_from="kinematics" if force is None else "joint_torques",
+        contact_from="kinematics" if why else "joint_torques",
         why_no_force=why,
         turns_from=turns_from,
         tells_up=inertial.tells_up,
@@ -266,15 +260,16 @@ def _forces(
     points: Floats,
     inertial: Inertial,
     mass_kg: float | None,
-) -> tuple[Floats | None, str]:
-    """Return (n, f, 3) N along the base's axes; None, and why, where efforts tell none."""
+) -> tuple[Floats, str]:
+    """Return (n, f, 3) N along the base's axes; zeros, and why, where efforts tell none."""
+    none = np.zeros_like(points)
     if not (np.isfinite(joints.effort).all() and joints.effort.any()):
-        return None, "efforts are empty or zero"
+        return none, "efforts are empty or zero"
     efforts = [joints.effort[:, joints.columns(each.leg.measured)] for each in motions]
     force = ground_forces(joints.seconds, motions, points, efforts, inertial.felt)
     vertical = np.einsum("nfi,ni->nf", force, inertial.up)
     why = effort_fault(vertical, None if mass_kg is None else mass_kg * GRAVITY_MPS2)
-    return (None if why else force), why
+    return (none if why else force), why
 
 
 def _debounced(time: Ints, standing: Flags) -> Flags:
@@ -316,15 +311,11 @@ def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Flo
     return np.asarray(np.interp(seconds, seconds[some], heights))
 
 
-def _samples(
-    foot: int, standing: Flags, points: Floats, force: Floats | None, base: Odometry
-) -> Samples:
+def _samples(foot: int, standing: Flags, points: Floats, force: Floats, base: Odometry) -> Samples:
     """Return contact samples, with forces and points in the world."""
     count, there = len(standing), standing[:, None]
     place = np.where(there, base.position + rotate(base.orientation, points), np.nan)
-    push = np.zeros((count, 3))
-    if force is not None:
-        push = np.where(there, rotate(base.orientation, force), 0.0)
+    push = np.where(there, rotate(base.orientation, force), 0.0)
     return Samples(
         foot=np.broadcast_to(np.int64(foot), count),
         log_time=base.log_time,

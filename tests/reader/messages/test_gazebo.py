@@ -76,12 +76,6 @@ def test_lags_and_steps_are_those_of_the_times_in_the_text(
     assert steps_of_messages(step_times(infos), owner).tolist() == steps
 
 
-def test_a_message_that_tells_no_time_has_no_lag() -> None:
-    infos, owner = texts([ros1_info(5), "no time here"]), np.array([0, 1], np.int64)
-    lag = newest_step(step_times(infos), owner, np.array([9, 9, 9]))[1]
-    assert lag.tolist() == [4, UNTIMED, UNTIMED]
-
-
 @pytest.mark.parametrize("info", ["", "no time here", "time12.5", "x" * 100, "time"])
 def test_a_message_that_tells_no_time_is_one_step_and_is_counted(info: str) -> None:
     infos = [ros1_info(1), info, ros1_info(2), info, ros1_info(3)]

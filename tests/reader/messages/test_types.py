@@ -1,6 +1,5 @@
 """One walk in every type of contact message: the same columns, judged by the walk itself."""
 
-import pickle
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,7 +11,7 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.feet import flagged
-from dogbot_logtool.reader.messages.table import TABLE, rows_of
+from dogbot_logtool.reader.messages.table import rows_of
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts
@@ -109,17 +108,6 @@ def test_counts_with_a_scale_are_newtons(tmp_path: Path, kind: str) -> None:
     selection, feet = read(tmp_path, kind, 2, str(robot))
     for foot, samples in zip(selection.robot.feet, feet, strict=True):
         assert samples.force[:, 2].tolist() == walks.FORCES[foot.name][:, 2].tolist()
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_how_a_type_is_read_can_be_sent_to_another_process(tmp_path: Path, kind: str) -> None:
-    log = open_log(write(tmp_path, kind, 2))
-    selection = select_topics(log, MeasureOptions(robot="generic"))
-    log.close()
-    for source in selection.sources:
-        again = pickle.loads(pickle.dumps(source))  # noqa: S301 - our own bytes
-        assert (again.row, again.columns) == (source.row, source.columns)
-        assert source.row in TABLE
 
 
 @pytest.mark.parametrize(

@@ -59,8 +59,6 @@ class Index(NamedTuple):
     """(n,) as numbered in the records."""
     log_time: Ints
     """(n,) ns."""
-    group: Ints
-    """(n,) which index record named it."""
     complete: bool
     """Nothing but index records was there."""
 
@@ -84,26 +82,23 @@ def read_index(
         log_times: returns the log times of entries, ns.
     """
     parts: list[memoryview] = []
-    named: list[tuple[int, int]] = []
+    channels: list[Ints] = []
     end = 0
     while end < len(behind) and (record := record_at(behind, end)):
         if len(record[1]) % entry.itemsize:
             break
         channel, entries, end = record
-        count = len(entries) // entry.itemsize
         parts.append(entries)
-        named.append((channel, count))
+        channels.append(np.full(len(entries) // entry.itemsize, channel))
     if not parts:
         return None
     table = np.frombuffer(b"".join(parts), entry)
-    channels, counts = np.array(named, np.int64).T
     # Offsets beyond 2^63 become negative, and no message begins there either.
     offset = table["offset"].astype(np.int64)
     order = np.argsort(offset, kind="stable")
-    group = np.repeat(np.arange(len(counts)), counts)[order]
+    channel_of = np.concatenate(channels)[order]
     complete = end == len(behind)
-    log_time = log_times(table)[order]
-    return Index(offset[order], channels[group], log_time, group, complete)
+    return Index(offset[order], channel_of, log_times(table)[order], complete)
 
 
 class RecordFormat(Protocol):
