@@ -134,22 +134,11 @@ class SensorLevel:
 
     def without_offset(self, why: str) -> "SensorLevel":
         """Return what is left of a level that cannot be right."""
-        unknown = SensorLevel()
-        return replace(
-            self,
-            knots=unknown.knots,
-            offset=unknown.offset,
-            noise_n=None,
-            drift_n_per_min=None,
-            loaded_n=None,
-            origin="default",
-            reason=why,
-            refuted=True,
-        )
+        return SensorLevel(interval_s=self.interval_s, reason=why, refuted=True)
 
     @property
     def offset_n(self) -> Floats:
-        """(3,) N, the offset in the middle of the log."""
+        """(3,) N, the usual offset."""
         return np.asarray(median_of(self.offset, axis=0))
 
     def offset_at(self, log_time: Ints) -> Floats:
