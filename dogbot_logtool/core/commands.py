@@ -12,9 +12,8 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.compared import AXES, TRACKING_HZ, CommandTrack
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.vectors import VectorHistory
+from dogbot_logtool.core.vectors import AXES, TRACKING_HZ, CommandTrack, VectorHistory
 from dogbot_logtool.core.walk import Walk
 
 USUAL_WINDOW_S: Final = 0.5

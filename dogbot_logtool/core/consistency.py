@@ -260,11 +260,11 @@ def placed_poses(
 
     Args:
         records: of all feet.
-        candidates: poses without jumps, and with them.
+        candidates: poses without jumps, and with them; of those alike to a centimetre the first.
         period_s: s, the usual stride; None: there is none.
     """
     tried = [(each, compare_worlds(records, each, period_s)) for each in candidates]
-    return min(tried, key=lambda each: each[1].shift_m if each[1] else np.inf)
+    return min(tried, key=lambda each: round(each[1].shift_m, 2) if each[1] else np.inf)
 
 
 LIKELY: Final = 0.97

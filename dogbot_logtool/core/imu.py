@@ -15,11 +15,11 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trapezoids
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import likeness
-from dogbot_logtool.core.compared import ForceComparison, ImuComparison, Reading
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
+from dogbot_logtool.core.vectors import ForceComparison, ImuComparison, Reading
 from dogbot_logtool.core.walk import Walk
 
 STANDING_WINDOW_S: Final = 0.5

@@ -1,6 +1,7 @@
 """Each kind of log is measured right, or its figures are null and a finding names the cause."""
 
 import csv
+import os
 import re
 from collections import defaultdict
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ from tests.truth.outcome import outcome
 from tests.truth.pose_cases import WAYS
 from tests.truth.pose_faults import silent
 from tests.truth.sensor_faults import as_force_sensors
-from tests.truth.validate import TABLE
+from tests.truth.validate import TABLE, labelled_rows
 from tests.truth.walking import Walk
 
 VARIANT = re.compile(r", mirrored$| from mid-cycle$")
@@ -52,6 +53,18 @@ def test_the_table_has_every_kind() -> None:
         names = {row["log"] for row in csv.DictReader(file)}
     missing = [case.name for case in all_cases() if case.name not in names]
     assert missing == [], "run: make validate"
+
+
+LABELLED = os.environ.get("LOGTOOL_LABELLED", "")
+
+
+@pytest.mark.skipif(not LABELLED, reason="LOGTOOL_LABELLED names no folder with logs")
+def test_all_labelled_events_of_a_real_humanoid_are_found() -> None:
+    rows = list(labelled_rows(Path(LABELLED)))
+    assert rows
+    for *_, touchdowns, lift_offs in rows:
+        for found in (touchdowns, lift_offs):
+            assert re.match(r"(\d+) of \1,", found), rows
 
 
 def test_a_gap_of_poses_counts_neither_as_path_nor_as_time(tmp_path: Path) -> None:

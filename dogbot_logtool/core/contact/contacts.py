@@ -223,8 +223,6 @@ _SPACING_NS: Final = 40_000_000
 """Samples without contact are told this far apart; more than 50 ms would be a gap."""
 _LONG_INTERVALS: Final = 6.0
 """Silences longer than so many intervals are swings nearly always, not lost messages."""
-_SURE_INTERVALS: Final = 10.0
-"""Silences longer than so many intervals are swings, however long the usual swing."""
 _BURST: Final = 0.5
 """Messages that are logged in less than this part of the time between their stamps come in
 bursts."""
@@ -346,8 +344,7 @@ def _swinging(
     # The log's start or end may cut a swing; a shorter silence is a lost message even there.
     lasts_from = np.full(len(step), round(MISSED_INTERVALS * interval))
     if len(swings):
-        usual_swing = round(_PART_OF_SWING * float(median_of(swings)))
-        shortest = min(usual_swing, round(_SURE_INTERVALS * interval))
+        shortest = round(_PART_OF_SWING * float(median_of(swings)))
         lasts_from[1:-1] = np.maximum(lasts_from[1:-1], shortest)
     swing = known & (step > lasts_from) & (step <= LONGEST_SWING_NS)
     swing &= (steps[1] >= 0) & (steps[1] <= 2 * LONGEST_SWING_NS)

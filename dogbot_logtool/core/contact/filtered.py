@@ -29,8 +29,7 @@ to nothing misses it by twice as much."""
 NOISES: Final = 1.6
 """Times the noise of the mean tail that it may miss it, too."""
 UNSURE: Final = 0.5
-"""Standard error of a time constant, as a share of it, with which it is none; a fifth of that, if
-it is that of a part of the tail only."""
+"""Standard error of a time constant, as a share of it, with which it is none."""
 CLEAN: Final = 80.0
 """Times the noise that a load's range is, if nothing need be averaged to see where it crosses
 `HALF`."""
@@ -86,19 +85,18 @@ def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:
     # From the lift-off on, where it falls fastest; noise may let that seem earlier.
     over = len(fall) // 8 + 1
     first = int(np.argmin(fall[over:] - fall[:-over])) + over // 2 if over < len(fall) else 0
-    later = first + int(np.argmax(fall[first:] < fall[first] / 2.0))
+    tail = fall[first : len(fall) - int(AFTER * (len(fall) - first))]
+    if len(tail) < FEWEST_ROWS:
+        return None
+    tau, error, misses = _exponential(tail)
     noise = float(np.mean([each for _, _, each in feet]))
-    for begin, unsure in ((first, UNSURE), (later, UNSURE / 5.0)):
-        tail = fall[begin : len(fall) - int(AFTER * (len(fall) - begin))]
-        if len(tail) < FEWEST_ROWS:
-            break
-        tau, error, misses = _exponential(tail)
-        most = np.hypot(STRAIGHT * (tail[0] - tail[-1]), NOISES * noise / np.sqrt(len(falls)))
-        if tau > FEWEST_INTERVALS and error < unsure and misses < most:
-            if _rows_below(tail[0], rise, fall) < _rows_below(tail[0], fall, rise):
-                return _removable(tau, error, noise, len(fall), interval_s)
-            break
-    return None
+    most = np.hypot(STRAIGHT * (tail[0] - tail[-1]), NOISES * noise / np.sqrt(len(falls)))
+    if tau <= FEWEST_INTERVALS or error >= UNSURE or misses >= most:
+        return None
+    # A filter prolongs the fall, not the rise.
+    if _rows_below(tail[0], rise, fall) >= _rows_below(tail[0], fall, rise):
+        return None
+    return _removable(tau, error, noise, len(fall), interval_s)
 
 
 def _removable(tau: float, error: float, noise: float, rows: int, interval_s: float) -> Filter:

@@ -235,6 +235,7 @@ def test_a_page_says_what_its_log_lacks(tmp_path: Path) -> None:
         # One sample more is no event in an even walk, whose durations have no spread.
         ([0.300] * 20 + [0.304], {}),
         ([0.0] * 20 + [0.03], {20: 1}),
+        ([1.0] * 11 + [1.2] * 8, {}),
         ([1.0, 1.0, 1.0, 50.0], {}),
     ],
 )
