@@ -9,22 +9,18 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.errors import LogtoolError
 
-LARGEST_IN_MEMORY: Final = 2 << 30
-"""Bytes from which columns lie in a file that is mapped into memory."""
+LARGEST_IN_MEMORY: Final = 128 << 20
+"""Bytes from which a column lies in a file that is mapped into memory: those of four feet then
+take some 2 GB."""
 
 
 class GrowingColumns:
     """The columns of a record, or a single one, which grow by those of others of its type."""
 
-    def __init__(self, first: Any, *, on_disk: bool = False) -> None:  # noqa: ANN401
-        """Begin with the rows of a record, or with a column.
-
-        Args:
-            first: as those that are added.
-            on_disk: whether they lie in a file.
-        """
+    def __init__(self, first: Any) -> None:  # noqa: ANN401
+        """Begin with the rows of a record, or with a column."""
         self._type = type(first)
-        self._columns = [_Column(each, on_disk=on_disk) for each in _columns_of(first)]
+        self._columns = [_Column(each) for each in _columns_of(first)]
         self.add(first)
 
     def add(self, part: Any) -> None:  # noqa: ANN401
@@ -51,17 +47,14 @@ def _columns_of(part: Any) -> list[NDArray[Any]]:  # noqa: ANN401
 class _Column:
     """The bytes of a column."""
 
-    def __init__(self, like: NDArray[Any], *, on_disk: bool) -> None:
-        self._nothing = np.empty((0, *like.shape[1:]), like.dtype)
+    def __init__(self, like: NDArray[Any]) -> None:
+        self._shape, self._dtype = (-1, *like.shape[1:]), like.dtype
         self._bytes: IO[bytes] = BytesIO()
-        if on_disk:
-            import tempfile  # noqa: PLC0415 - takes long, and few logs are so large
-
-            # Without a name, so that nothing of it stays.
-            self._bytes = tempfile.TemporaryFile(prefix="dogbot_logtool_")  # noqa: SIM115
 
     def add(self, values: NDArray[Any]) -> None:
         try:
+            if isinstance(self._bytes, BytesIO) and self._bytes.tell() > LARGEST_IN_MEMORY:
+                self._bytes = _in_a_file(self._bytes)
             self._bytes.write(np.ascontiguousarray(values).data)
             self._bytes.flush()
         except OSError as error:
@@ -74,10 +67,16 @@ class _Column:
             ) from error
 
     def finish(self) -> NDArray[Any]:
-        shape, dtype = (-1, *self._nothing.shape[1:]), self._nothing.dtype
         if isinstance(self._bytes, BytesIO):
-            return np.frombuffer(self._bytes.getbuffer(), dtype).reshape(shape)
+            return np.frombuffer(self._bytes.getbuffer(), self._dtype).reshape(self._shape)
         with self._bytes:
-            if not self._bytes.tell():
-                return self._nothing
-            return np.memmap(self._bytes, dtype, "r+").reshape(shape)
+            return np.memmap(self._bytes, self._dtype, "r+").reshape(self._shape)
+
+
+def _in_a_file(memory: BytesIO) -> IO[bytes]:
+    """Return a file without a name, of which nothing stays, that holds some bytes."""
+    import tempfile  # noqa: PLC0415 - takes long, and few logs are so large
+
+    file = tempfile.TemporaryFile(prefix="dogbot_logtool_")  # noqa: SIM115
+    file.write(memory.getbuffer())
+    return file

@@ -22,7 +22,7 @@ from dogbot_logtool.core.recording import (
 )
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.growing import LARGEST_IN_MEMORY, GrowingColumns
+from dogbot_logtool.reader.growing import GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
 from dogbot_logtool.reader.part import ONLY, Key, Part, Wanted, read_part
@@ -37,8 +37,6 @@ _REGULAR: Final = 0.75
 """Share of messages that must have the usual lag. Only the last of each stance should not."""
 _MOST_CELLS: Final = 1 << 27
 """States of joints that are kept of a topic: half a gigabyte of each kind."""
-_SAMPLE_BYTES: Final = 80
-"""Of the columns of a contact sample."""
 _MANY_SPANS: Final = 16
 """From which two are read at once, which makes half the calls; fewer keep all processes busy."""
 
@@ -103,7 +101,7 @@ def read_recording(
     if alongside is None and len(chosen) >= _MANY_SPANS:
         pairs = zip_longest(chosen[::2], chosen[1::2], fillvalue=())
         chosen = [(*first, *second) for first, second in pairs]
-    joined = _Joined(wanted, on_disk=_expected_bytes(log, wanted) > LARGEST_IN_MEMORY)
+    joined = _Joined(wanted)
     done, total = 0, sum(chunk.data_size for chunk in log.chunks)
     read = partial(_read, wanted, alongside.work if alongside else None)
     for span, (part, beside) in zip(chosen, in_order(read, log, chosen, jobs, start), strict=True):
@@ -134,19 +132,11 @@ def _chunks(log: Log, wanted: Wanted) -> Iterator[Chunk]:
             yield chunk
 
 
-def _expected_bytes(log: Log, wanted: Wanted) -> int:
-    """Return about how much memory contact samples take, by the log's counts of messages."""
-    feet = wanted.feet.of_channel
-    samples = (log.counts.get(channel.id, 0) * len(feet[channel.id]) for channel in wanted.contacts)
-    return _SAMPLE_BYTES * sum(samples)
-
-
 class _Joined:
     """Joins the parts of a log, in file order."""
 
-    def __init__(self, wanted: Wanted, *, on_disk: bool) -> None:
+    def __init__(self, wanted: Wanted) -> None:
         self._wanted = wanted
-        self._on_disk = on_disk
         self._columns: dict[Key, GrowingColumns] = {}
         self._whole = Part()
         """All but the columns."""
@@ -155,12 +145,11 @@ class _Joined:
     def add(self, part: Part) -> None:
         """Take the next part."""
         for key, tables in part.columns.items():
-            on_disk = self._on_disk and key[0] in {"feet", "lags", "planned"}
             for table in tables:
                 if key in self._columns:
                     self._columns[key].add(table)
                 else:
-                    self._columns[key] = GrowingColumns(table, on_disk=on_disk)
+                    self._columns[key] = GrowingColumns(table)
         for key, names in part.names.items():
             self._whole.names[key].update(names)
         self._whole.counts.update(part.counts)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, content, files_in, name_of
@@ -13,14 +13,10 @@ from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.registry import ANNOTATED, ROSBAG2_METADATA, ROSBAG2_SUFFIXES
 
-if TYPE_CHECKING:
-    from ruamel.yaml.events import Event
-
 _LARGEST: Final = 512 << 10
-_MOST_EVENTS: Final = 60_000
-"""A bag of a hundred topics and a hundred files has some three thousand."""
-_DEEPEST: Final = 32
-_COUNT: Final = re.compile(r"\d{1,18}")
+_FILES: Final = r"(?m)^( *)relative_file_paths: *\r?\n((?:\1 *- .*(?:\n|\Z))+)"
+"""Its list of files, and how far its keys are indented."""
+_COUNT: Final = r"(?a)\d{1,18}"
 _PACKED: Final = ".zstd"
 _LONGEST_NAME: Final = 255
 """Bytes that a name of a file may have on any disk."""
@@ -42,85 +38,42 @@ class Metadata(NamedTuple):
 
 
 def read_metadata(folder: Location) -> Metadata:
-    """Read the metadata of the bag in a directory.
+    """Read the metadata of the bag in a directory, as recorders write it, line by line.
+
+    It is not parsed as YAML, in which a kilobyte may stand for gigabytes.
 
     Raises:
         UnusableMetadata: there is none, or it does not name the files.
     """
-    document = _document(folder / ROSBAG2_METADATA)
-    information = _mapping(_mapping(document).get("rosbag2_bagfile_information"))
-    names = information.get("relative_file_paths")
-    if not isinstance(names, list):
-        raise UnusableMetadata("it does not name the files")
-    return Metadata(
-        files=tuple(name for name in names if isinstance(name, str)),
-        distribution=_text(information.get("ros_distro")),
-        messages=_count(information.get("message_count")),
-    )
-
-
-def _document(path: Location) -> object:
-    # Imported late: only directories need it.
-    from ruamel.yaml import YAML  # noqa: PLC0415
-    from ruamel.yaml.error import YAMLError  # noqa: PLC0415
-
     try:
-        data = content(path, _LARGEST)
-        if data is None:
-            raise UnusableMetadata(f"it is larger than {_LARGEST >> 10} kB")
-        return _first_document(YAML(typ="base").parse(data.decode("utf-8-sig")))
+        data = content(folder / ROSBAG2_METADATA, _LARGEST)
     except CallError as error:
         raise UnusableMetadata("it is missing or cannot be opened") from error
     except OSError as error:
         raise UnusableMetadata(f"it cannot be read: {error.strerror}") from error
-    except (YAMLError, ValueError) as error:
-        raise UnusableMetadata("it is not YAML") from error
+    if data is None:
+        raise UnusableMetadata(f"it is larger than {_LARGEST >> 10} kB")
+    text = data.decode("utf-8-sig", "replace")
+    found = re.search(_FILES, text)
+    if found is None:
+        raise UnusableMetadata("it does not name the files")
+    indent, names = found.groups()
+    count = _value(text, f"{indent}message_count: ")
+    return Metadata(
+        files=tuple(_unquoted(line.partition("- ")[2]) for line in names.splitlines()),
+        distribution=_value(text, f"{indent}ros_distro: "),
+        messages=int(count) if re.fullmatch(_COUNT, count) else None,
+    )
 
 
-def _first_document(events: Iterator["Event"]) -> object:
-    """Build plain values from the events of a parser; every scalar is a text.
-
-    The loaders of the library are not used: they follow aliases, through which a kilobyte may
-    stand for gigabytes, and build trees of any depth.
-    """
-    from ruamel.yaml import events as kinds  # noqa: PLC0415
-
-    root: list[Any] = []
-    path: list[list[Any]] = [root]
-    for number, event in enumerate(events):
-        if number >= _MOST_EVENTS or len(path) > _DEEPEST:
-            raise UnusableMetadata("it is too long or too deeply nested")
-        if isinstance(event, kinds.AliasEvent):
-            raise UnusableMetadata("it has aliases, which no recorder writes")
-        if isinstance(event, kinds.ScalarEvent):
-            path[-1].append(event.value)
-        elif isinstance(event, kinds.CollectionStartEvent):
-            path.append([])
-        elif isinstance(event, kinds.CollectionEndEvent):
-            items = path.pop()
-            is_sequence = isinstance(event, kinds.SequenceEndEvent)
-            path[-1].append(items if is_sequence else _pairs(items))
-        elif isinstance(event, kinds.DocumentEndEvent):
-            break
-    return root[0] if root else None
+def _value(text: str, key: str) -> str:
+    """Return what stands behind a key at the beginning of a line; empty: there is none."""
+    found = re.search(f"(?m)^{key}(.*)$", text)
+    return _unquoted(found[1]) if found else ""
 
 
-def _pairs(items: list[Any]) -> dict[str, Any]:
-    """Return a mapping of keys and values in turn; keys that are no texts are left out."""
-    pairs = zip(items[::2], items[1::2], strict=True)
-    return {key: value for key, value in pairs if isinstance(key, str)}
-
-
-def _mapping(value: object) -> Mapping[str, Any]:
-    return value if isinstance(value, dict) else {}
-
-
-def _text(value: object) -> str:
-    return value if isinstance(value, str) else ""
-
-
-def _count(value: object) -> int | None:
-    return int(value) if isinstance(value, str) and _COUNT.fullmatch(value) else None
+def _unquoted(text: str) -> str:
+    return text.strip(" \r'\"")
 
 
 OpenFile = Callable[[Location, str], Log]

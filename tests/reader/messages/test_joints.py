@@ -127,8 +127,7 @@ def check(states: JointTable, *, unknown_efforts: bool) -> None:
         assert told.all() == (kind < 2 or not unknown_efforts)
 
 
-@pytest.mark.parametrize("ros_version", [1, 2])
-@pytest.mark.parametrize("kind", [ROS, *MOTORS])
+@pytest.mark.parametrize(("kind", "ros_version"), [(ROS, 1), *((kind, 2) for kind in MOTORS)])
 def test_ros_messages(tmp_path: Path, kind: str, ros_version: int) -> None:
     walk = store(kind, ros_version)
     made = [ros(walk, s) if kind == ROS else motors(walk, kind, s) for s in range(SAMPLES)]
