@@ -78,6 +78,15 @@ def nulls(walk: WalkMetrics) -> set[str]:
     return {".".join(path) for path, field in found if field.of.needs}
 
 
+def test_few_strides_are_little_confidence(tmp_path: Path) -> None:
+    gait = outcome(Walk(seconds=3.0).recorded(), tmp_path).json["gait"]
+
+    least = min(phase["consistency"] or 0.0 for phase in gait["phase"].values())
+    fit = (1.0 - gait["class_distance"] / 0.2) * least
+    assert gait["strides"] < 3
+    assert gait["confidence"] == pytest.approx(fit * gait["strides"] / 3)
+
+
 def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
     doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
     walk = measurement_of(measured(TROT).walk, LogFacts(findings=[doubt])).metrics

@@ -59,5 +59,5 @@ def axes() -> Iterator[Case]:
         yield Case(f"odometry drifts by {speed:+g} m/s in z", Walk(seconds=12.0),
                    (world.rising(speed),), "WORLDS_DIFFER the base (rises|sinks)")
     yield Case("odometry counts z anew from mid-log on", Walk(seconds=12.0),
-               (world.reset_height(6.0),), "POSE_JUMP", "")
+               (world.reset_height(6.0),), "POSE_JUMP", "", known="height")
 # fmt: on

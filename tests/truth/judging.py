@@ -252,6 +252,10 @@ def _no_steps(recording: Recording, found: Outcome) -> Iterator[Judged]:
 def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
     allow, truth, names = case.tolerance, recording.truth, recording.robot.feet
     yield from _events(case, recording, found)
+    without = set(found.json["feet"]) - set(names)
+    told = [found.figure(f"feet.{foot}.contact_fraction") for foot in without]
+    if any(fraction is not None for fraction in told):
+        yield Judged("feet without sensors", "null", _joined(told), "wrong")
     # Name, key, whose first part is the truth's field, how far it may be off, and whether of it.
     of_feet = (
         ("contact fraction", "contact_fraction", allow.contact, False),

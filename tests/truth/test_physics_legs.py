@@ -130,6 +130,8 @@ def test_steps_and_rest() -> None:
         half = trot().speed_mps * PERIOD_S / 2.0
         assert leg["step_length_m"]["median"] == pytest.approx(half, abs=0.01)
         assert leg["slip_from"] == "foot_frame"
+        # The middle of a ball that rolls tells none.
+        assert measured(by_transforms=False).stats["feet"][name]["slip_from"] is None
 
 
 def test_several_publishers_tell_the_same() -> None:

@@ -50,19 +50,6 @@ def test_a_robot() -> None:
     ]
 
 
-def test_a_frame_with_two_parents_is_told_twice_and_what_hangs_below_it_once() -> None:
-    rows = [
-        (row.parent, row.frame, row.again) for row in walk([("a", "c"), ("b", "c"), ("c", "d")])
-    ]
-    assert rows == [
-        (None, "a", False),
-        ("a", "c", False),
-        ("c", "d", False),
-        (None, "b", False),
-        ("b", "c", True),
-    ]
-
-
 def test_parents_at_once_and_one_after_another() -> None:
     after = [edge("table", "cup", 0, 5), edge("hand", "cup", 6, 9)]
     assert second_parents(after) == [SecondParent("cup", ("table", "hand"), at_once=False)]
