@@ -137,7 +137,8 @@ def all_silent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
 
 
 WINDOW_NS: Final = 2_000_000_000
-"""ns: a foot's position is averaged over so long where there are no strides."""
+"""ns: a foot's position is averaged over so long where there are no strides, and a change of it is
+told between two times that are so long."""
 _MOST_WINDOWS: Final = 60
 FEWEST_TICKS: Final = 25
 """Ticks of 40 ms with contact points of a foot from which its usual position is known."""
@@ -227,8 +228,10 @@ def compare_worlds(
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
     farthest = spread if len(placed) == len(feet) else PART_OF_FEET * spread
-    third = max(len(away) // 3, 1)
+    # Less than two seconds are a leap, or a turn, and not yet another place among the feet.
+    third = max(len(away) // 3, -(-WINDOW_NS // window))
     change = median_of(away[-third:], axis=0) - median_of(away[:third], axis=0)
+    change *= 2 * third <= len(away)
     drift, steadiness = _trend(away)
     drifts = len(away) >= FEWEST_WINDOWS and steadiness >= STEADY
     return Worlds(

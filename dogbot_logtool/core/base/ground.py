@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.rotations import along_heading
 
 LOWEST_M: Final = 1e-3
@@ -99,10 +99,16 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints) -> Floats | None:
     return normal if normal[2] > STEEPEST else None
 
 
-def _standing_points(foot: FootHistory, within: Ints) -> Floats:
-    """(n, 3) m, where the foot stands in each stance."""
-    time, point = stance_places(foot)
-    return point[all_finite(point) & timespans.covers(within, time)]
+def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
+    """(n, 3) m, one contact point of each stance: the one nearest to its middle."""
+    time, point = foot.track.contact_points
+    row = np.searchsorted(time, foot.stances.middle)
+    inside = row < len(time)
+    row, end = row[inside], foot.stances.liftoff[inside]
+    hit = time[row] < end
+    if within is not None:
+        hit &= timespans.covers(within, time[row])
+    return np.asarray(point[row[hit]])
 
 
 def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:

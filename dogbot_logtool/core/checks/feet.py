@@ -112,7 +112,7 @@ def slips(walk: Walk) -> Iterator[Finding]:
     for foot in walk.feet if walk.ground is None else ():
         reach = foot.stances.figures.contact_reach_m[foot.stances.whole]
         far = int((reach > LARGEST_FOOT_M).sum())
-        if far and walk.settings.foot_rolling_m is None and foot.slip_from is None:
+        if far and walk.settings.foot_rolling_m is None and foot.slip_from == "points":
             where, metres = f"feet.{foot.name}.contact_travel_m", np.nanmax(reach)
             yield found("SLIPS", where=where, foot=foot.name, metres=metres, stances=far)
 

@@ -56,8 +56,8 @@ class FootSteps(NamedTuple):
     the base goes."""
     length_from: str
     """What stride lengths are measured by: ``points``, ``foot_frame``, or ``base``."""
-    slip_from: str | None
-    """What slips are measured by: ``points`` or ``foot_frame``; None: not known."""
+    slip_from: str
+    """What slips are measured by, where they are known: ``points`` or ``foot_frame``."""
     is_dead: bool
     """Whether its sensor never reports a contact, and nothing says that it is lifted."""
     contact_known: bool
@@ -143,7 +143,6 @@ def foot_steps(
         "stride_length_m": length,
         "base_displacement_m": travelled,
     }
-    slips = np.isfinite(of_stances["slip_m"][stances.whole]).any()
     # A sensor that is taken to read zero without load, on a robot that moves without steps.
     is_refuted = bool(foot.level.reason and len(standing.moving))
     return FootSteps(
@@ -159,7 +158,7 @@ def foot_steps(
         of_stances=of_stances,
         of_strides=of_strides,
         length_from=length_from,
-        slip_from="points" if slips else None,
+        slip_from="points",
         is_dead=is_dead,
         contact_known=record.start is not None and not (is_dead or is_refuted),
         has_spikes=lone,
@@ -253,13 +252,12 @@ def foot_metrics(foot: FootSteps, weight_n: float | None, origin: int, within: I
         found[name] = aggregate(values[whole])
     for name, values in foot.of_strides.items():
         found[name] = aggregate(values[inside])
-    length, slips = found["stride_length_m"], found["slip_m"] or foot.slip_from == "foot_frame"
     found |= {
         "contact_fraction": foot.record.contact_fraction(within),
         "strides": len(strides.stance),
         "stride_frequency_hz": strides.frequency_hz,
-        "stride_length_from": None if length is None else foot.length_from,
-        "slip_from": foot.slip_from if slips else None,
+        "stride_length_from": None if found["stride_length_m"] is None else foot.length_from,
+        "slip_from": None if found["slip_m"] is None else foot.slip_from,
         "touchdown_s": _seconds(foot.touchdown, origin, within),
         "lift_off_s": _seconds(foot.liftoff, origin, within),
         "vertical_impulse_ns": vertical_impulse_ns(foot.record, within),

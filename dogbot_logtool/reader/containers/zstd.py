@@ -18,7 +18,6 @@ from dogbot_logtool.reader.decode.columns import gather
 
 _PIECE: Final = 2 << 10
 """Bytes that are decompressed at once: each byte may swell to 32 kB."""
-_MAGIC_SIZE: Final = 4
 _MOST_FREE: Final = 256 << 20
 _MAX_RATIO: Final = 200
 """A file must not swell to more than this times its size, or `_MOST_FREE`."""
@@ -61,73 +60,41 @@ def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
 
 
 def _decompress(source: ByteSource, target: BinaryIO) -> Loss | None:
-    """Write what a file holds up to damage; return what is wrong with the rest.
-
-    Behind the last piece before damage it is read again byte by byte, to find where that is.
-    """
-    packed = _Bytes(source)
-    try:
-        return _unpack(packed, target)
-    except zstandard.ZstdError:
-        packed = _Bytes(source, careful_from=packed.offset - _PIECE)
-    target.seek(0)
-    try:
-        return _unpack(packed, target)
-    except zstandard.ZstdError as error:
-        offset = packed.offset
-        what = (
-            f"its zstd data is damaged at byte {offset} ({error}); only what stands before came out"
-        )
-        return Loss(offset, what, source.size - offset, None)
-
-
-class _Bytes:
-    """The bytes of a file in pieces, from some byte on one by one."""
-
-    def __init__(self, source: ByteSource, careful_from: int | None = None) -> None:
-        self.source = source
-        self.offset = 0
-        """How many have been read."""
-        self._careful_from = source.size if careful_from is None else careful_from
-
-    def next(self, size: int = 0) -> bytes:
-        """Return the next ones, as many as given or about as many as are read at once."""
-        careful = self.offset >= self._careful_from
-        data = self.source.read(self.offset, size or (1 if careful else _PIECE))
-        self.offset += len(data)
-        return data
-
-
-def _unpack(packed: _Bytes, target: BinaryIO) -> Loss | None:
-    """Write what the frames of a file hold; return what is wrong behind that.
+    """Write what the frames of a file hold, up to the piece in which one is damaged.
 
     Parallel compressors write many frames, and such as are to be skipped before them.
 
+    Returns:
+        what is wrong with the rest.
+
     Raises:
-        zstandard.ZstdError: a frame is damaged.
         LogError: there is too much content.
     """
-    size = packed.source.size
+    size, offset, data = source.size, 0, source.read(0, _PIECE)
     most = max(_MOST_FREE, _MAX_RATIO * size)
     zstd = zstandard.ZstdDecompressor()
-    data = packed.next(_MAGIC_SIZE)
-    while is_zstd(data):
-        frame = zstd.decompressobj()
-        while not frame.eof:
-            if not data:
-                return Loss(size, f"its zstd data is cut off after {size} bytes", 0, None)
-            target.write(frame.decompress(data))
-            if target.tell() > most:
-                name = name_of(packed.source.path)
-                raise LogError(f"{name}: its {size} bytes swell to over {most}")
-            data = frame.unused_data if frame.eof else packed.next()
-        if len(data) < _MAGIC_SIZE:
-            data += packed.next(_MAGIC_SIZE - len(data))
-    offset = packed.offset - len(data)
+    try:
+        while is_zstd(data):
+            frame = zstd.decompressobj()
+            while not frame.eof:
+                if not data:
+                    return Loss(size, f"its zstd data is cut off after {size} bytes", 0, None)
+                target.write(frame.decompress(data))
+                if target.tell() > most:
+                    raise LogError(f"{name_of(source.path)}: its {size} bytes swell to over {most}")
+                offset += len(data) - len(frame.unused_data)
+                data = source.read(offset, _PIECE)
+    except zstandard.ZstdError as error:
+        what = (
+            f"its zstd data is damaged behind byte {offset} ({error}); what stands before was read"
+        )
+        return Loss(offset, what, size - offset, None)
+    start = offset
     while data and not data.strip(b"\0"):
-        data = packed.next()
-    what = f"the {size - offset} bytes behind its zstd data were left out"
-    return Loss(offset, what, size - offset, None) if data else None
+        offset += len(data)
+        data = source.read(offset, _PIECE)
+    what = f"the {size - start} bytes behind its zstd data were left out"
+    return Loss(start, what, size - start, None) if data else None
 
 
 def unpacked(batch: Batch) -> Batch:
