@@ -298,6 +298,10 @@ COARSE_M: Final = 0.5
 """m, smallest jump at rates so low that the base may change its speed between poses."""
 SMALLEST_STEP_RAD: Final = np.radians(5.0)
 """rad, a turn without a step of the position is one from here on."""
+COURSE_STEPS: Final = 30
+"""Poses before and after a jump between which the course is told."""
+COURSE_M: Final = 0.02
+"""m, the shortest way that tells a course."""
 UNUSUAL: Final = 5.0
 """Times by which a jump exceeds the third largest of the deviations around it."""
 _AROUND: Final = np.concatenate([np.arange(-10, 0), np.arange(1, 11)])
@@ -372,12 +376,39 @@ def _jumps(base: BaseHistory, step: Floats, smallest: float, change: Floats) -> 
 
 
 def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:
-    """Return the poses with the jumps taken out: the motion that the base made itself."""
+    """Return the poses with the jumps taken out: the motion that the base made itself.
+
+    Where the course turns with the yaw, the world was turned: what comes after is turned back.
+    """
     if len(jumps.rows) == 0:
         return base
-    jumped = np.zeros((len(base.time), 4))
-    jumped[jumps.rows + 1] = np.column_stack([jumps.size_m, jumps.turn_rad])
-    jumped = np.cumsum(jumped, axis=0)
+    turns = np.where(_follows(base, jumps), jumps.turn_rad, 0.0)
+    turned = np.concatenate([[0.0], np.cumsum(turns)])
+    after = base.position[jumps.rows + 1]
+    moves = _turned(after - jumps.size_m, turned[:-1]) - _turned(after, turned[1:])
+    moved = np.concatenate([np.zeros((1, 3)), np.cumsum(moves, axis=0)])
+    passed = np.searchsorted(jumps.rows, np.arange(len(base.time)) - 1, side="right")
     angles = base.angles.copy()
-    angles[:, 2] -= jumped[:, 3]
-    return replace(base, position=base.position - jumped[:, :3], angles=angles)
+    angles[:, 2] -= np.concatenate([[0.0], np.cumsum(jumps.turn_rad)])[passed]
+    position = _turned(base.position, turned[passed]) + moved[passed]
+    return replace(base, position=position, angles=angles)
+
+
+def _turned(position: Floats, turn_rad: Floats) -> Floats:
+    """(n, 3) m, turned back about the vertical."""
+    x, y, z = position.T
+    cos, sin = np.cos(turn_rad), np.sin(turn_rad)
+    return np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=1)
+
+
+def _follows(base: BaseHistory, jumps: PoseJumps) -> Flags:
+    """(j,) whether the course turns with the yaw, or is not known."""
+    rows, last = jumps.rows, len(base.time) - 1
+    start = np.maximum(rows - COURSE_STEPS, np.concatenate([[0], rows[:-1] + 1]))
+    end = np.minimum(rows + 1 + COURSE_STEPS, np.concatenate([rows[1:], [last]]))
+    before = base.position[rows, :2] - base.position[start, :2]
+    after = base.position[end, :2] - base.position[rows + 1, :2]
+    far = np.minimum(np.hypot(*before.T), np.hypot(*after.T)) > COURSE_M
+    course = np.arctan2(after[:, 1], after[:, 0]) - np.arctan2(before[:, 1], before[:, 0])
+    off = np.abs(np.angle(np.exp(1j * (course - jumps.turn_rad))))
+    return np.asarray(~far | (off < np.abs(np.angle(np.exp(1j * course)))))

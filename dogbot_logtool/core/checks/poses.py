@@ -20,7 +20,6 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
 )
 from dogbot_logtool.core.base.leg_odometry import turns_and_up
-from dogbot_logtool.core.base.poses import SMALLEST_STEP_RAD
 from dogbot_logtool.core.base.witness import (
     SWINGS,
     Comparison,
@@ -96,9 +95,6 @@ def pose_jumps(walk: Walk) -> Iterator[Finding]:
             degrees=np.degrees(turn).max(),
             at=walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
         )
-        if turn.sum() > SMALLEST_STEP_RAD:
-            degrees = np.degrees(turn.sum())
-            yield _doubted(walk, "POSE_DIRECTION", "jumps", say="jumps", degrees=degrees)
 
 
 def contradicted(walk: Walk) -> Iterator[Finding]:
