@@ -102,10 +102,9 @@ def command(record: type) -> click.Command:
 
 
 def _argument(option: Option) -> click.Argument:
-    many = option.kind == "texts"
     return click.Argument(
         [option.name],
-        nargs=-1 if many else 1,
+        nargs=-1 if option.kind == "texts" else 1,
         required=option.how.is_required,
         metavar=option.how.metavar,
         type=_type_of(option),

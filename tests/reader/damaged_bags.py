@@ -31,6 +31,12 @@ def bags_with_a_wrong_index() -> Iterator[Case]:
     at = data.index(time(second.log_time))
     what = "the index tells another time or channel"
     yield Case("time", bag, put(data, at, time(second.log_time + 1)), what, (5,))
+    shifted = data
+    for message in bag.chunks[1]:
+        at_index = data.index(time(message.log_time), bag.chunk_ends[1])
+        shifted = put(shifted, at_index, time(message.log_time + SECOND))
+    what = f"the index of the chunk at byte {start} is wrong"
+    yield Case("all times of an index", bag, shifted, what)
     early = put(data, at, struct.pack("<II", 5, 5))
     yield Case("early", bag, early, ANY, (5,))
     # The chunks' own index records are gone; the index section still knows their times.

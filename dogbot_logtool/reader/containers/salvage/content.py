@@ -131,8 +131,8 @@ class _Kept:
     def compare_index(self, index: Index, *, verified: bool) -> None:
         """Leave out messages whose time or channel differs from the index.
 
-        One of the two is damaged, and it is not known which. A checksum that holds speaks for the
-        messages.
+        One of the two is damaged, and it is not known which. An index record of which most entries
+        differ is wrong itself. A checksum that holds speaks for the messages.
         """
         messages = self.messages
         if not len(index.offset) or not len(messages):
@@ -147,8 +147,10 @@ class _Kept:
             self._say(f"the index of {self._name} is wrong; it was read without it")
         if verified:
             return
+        wrong, entries = np.bincount(index.group, differs), np.bincount(index.group)
+        distrusted = (wrong > 1) & (2 * wrong > entries)
         doubtful = np.zeros(len(messages), np.bool_)
-        doubtful[row[differs]] = True
+        doubtful[row[differs & ~distrusted[index.group]]] = True
         self.leave_out(doubtful, "the index tells another time or channel")
 
     def compare_times(self, *, believed: bool) -> None:

@@ -59,6 +59,8 @@ class Index(NamedTuple):
     """(n,) as numbered in the records."""
     log_time: Ints
     """(n,) ns."""
+    group: Ints
+    """(n,) which index record named it."""
     complete: bool
     """Nothing but index records was there."""
 
@@ -82,23 +84,26 @@ def read_index(
         log_times: returns the log times of entries, ns.
     """
     parts: list[memoryview] = []
-    channels: list[Ints] = []
+    named: list[tuple[int, int]] = []
     end = 0
     while end < len(behind) and (record := record_at(behind, end)):
         if len(record[1]) % entry.itemsize:
             break
         channel, entries, end = record
+        count = len(entries) // entry.itemsize
         parts.append(entries)
-        channels.append(np.full(len(entries) // entry.itemsize, channel))
+        named.append((channel, count))
     if not parts:
         return None
     table = np.frombuffer(b"".join(parts), entry)
+    channels, counts = np.array(named, np.int64).T
     # Offsets beyond 2^63 become negative, and no message begins there either.
     offset = table["offset"].astype(np.int64)
     order = np.argsort(offset, kind="stable")
-    channel_of = np.concatenate(channels)[order]
+    group = np.repeat(np.arange(len(counts)), counts)[order]
     complete = end == len(behind)
-    return Index(offset[order], channel_of, log_times(table)[order], complete)
+    log_time = log_times(table)[order]
+    return Index(offset[order], channels[group], log_time, group, complete)
 
 
 class RecordFormat(Protocol):
