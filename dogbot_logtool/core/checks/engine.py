@@ -79,8 +79,9 @@ def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
     no_points = "" if pointed else "the sensors report no contact points"
     no_forces = "" if forced else "the sensors report no forces"
     no_worlds = "" if walk.worlds else "two feet are not seen to touch near poses for a second each"
-    compared = walk.loads.vertical_impulse_over_weight is not None
-    no_weight = "" if compared else "the mass, or the vertical load of all feet, is not known"
+    compared, mass = walk.loads.vertical_impulse_over_weight is not None, walk.settings.mass_kg
+    lacking = "the vertical load of all feet" if mass else "the mass"
+    no_weight = "" if compared else f"{lacking} is not known"
     no_legs = "" if walk.legs else "nothing tells of the legs"
     no_stamps, one_clock, few_stamps = _clocks(walk)
     return (
