@@ -6,6 +6,7 @@ from math import radians
 
 from tests.truth import gaits
 from tests.truth import world_faults as world
+from tests.truth.foot_faults import without
 from tests.truth.judging import Case
 from tests.truth.recording import Disturbance
 from tests.truth.robots import biped
@@ -39,6 +40,9 @@ def worlds() -> Iterator[Case]:
     # Lengths of feet with points of their own stay.
     yield Case("odometry displaced by 5 m", TROT, (world.displaced((3.0, 4.0, 0.0)),), WORLDS,
                known="stride length")
+    yield Case("odometry displaced by 2 m, points of the hind feet only", TROT,
+               (world.displaced((1.2, 1.6, 0.0)), without("front_left", "front_right"), NO_MASS),
+               "WORLDS_DIFFER", f"{WORLDS}|NO_MESSAGES")
     for name, walk, faults, says, skip in rows:
         yield Case(f"odometry {name}", walk, faults, says, skip=skip)
     yield Case("contact points drift by 8 %", LONG, (world.points_drifting(0.08),), WORLDS)
