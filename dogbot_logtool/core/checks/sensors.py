@@ -40,7 +40,9 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
-            yield found("SENSOR_OFFSET", say="unknown", where=where, foot=name, why=level.reason)
+            if level.reason != why:
+                say = "unknown"
+                yield found("SENSOR_OFFSET", say=say, where=where, foot=name, why=level.reason)
             continue
         moved_n = float(np.linalg.norm(np.ptp(level.offset, axis=0)))
         if moved_n > MOVES * (level.loaded_n or np.inf):
