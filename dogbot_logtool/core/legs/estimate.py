@@ -148,6 +148,19 @@ class _Resting(NamedTuple):
     velocity: Floats
     ground: Ground
 
+    @property
+    def seconds(self) -> Floats:
+        """(n,) s, since the first."""
+        return np.asarray((self.time - self.time[0]) / 1e9)
+
+    def turn_by(self, standing: Flags) -> Floats:
+        """(n - 1,) rad/s about the vertical, by feet that stand; NaN where they do not tell."""
+        return leg_odometry(self.time, self.points, standing).turn_rate[:, 2]
+
+    def low(self) -> Flags:
+        """(n, f) which feet are so low that they may stand, however the base turns."""
+        return low_feet(self.seconds, self.points, self.inertial.up)
+
     def odometry(self, standing: Flags) -> LegOdometry:
         """Return how the base moves by those of standing feet that agree."""
         sure = standing & self.ground.agreeing
@@ -178,11 +191,10 @@ def _resting(
 
 def _turned_by_feet(feet: _Resting) -> _Resting:
     """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
-    seconds = (feet.time - feet.time[0]) / 1e9
-    standing = low_feet(seconds, feet.points, feet.inertial.up)
+    seconds, standing = feet.seconds, feet.low()
     around = 2 * round(TURNS_S / float(median_of(np.diff(seconds)))) + 1
     for _ in range(2):
-        rates = leg_odometry(feet.time, feet.points, standing).turn_rate[:, 2]
+        rates = feet.turn_by(standing)
         known = np.flatnonzero(np.isfinite(rates))
         if not len(known):
             return feet
@@ -218,8 +230,7 @@ def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
 
 def _contradiction(feet: _Resting, turns_from: str) -> str:
     """Say how turns that something tells and those of the feet differ; empty: they do not."""
-    low = low_feet((feet.time - feet.time[0]) / 1e9, feet.points, feet.inertial.up)
-    by_feet = leg_odometry(feet.time, feet.points, low).turn_rate[:, 2]
+    by_feet = feet.turn_by(feet.low())
     known = np.isfinite(by_feet)
     if not known.any():
         return ""
