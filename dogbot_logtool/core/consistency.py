@@ -232,7 +232,7 @@ def compare_worlds(
     third = max(len(away) // 3, -(-WINDOW_NS // window))
     change = median_of(away[-third:], axis=0) - median_of(away[:third], axis=0)
     change *= 2 * third <= len(away)
-    drift, steadiness = _trend(away)
+    drift, steadiness = trend(away)
     drifts = len(away) >= FEWEST_WINDOWS and steadiness >= STEADY
     return Worlds(
         distance_m=float(median_of(distance)),
@@ -243,7 +243,7 @@ def compare_worlds(
     )
 
 
-def _trend(values: Floats) -> tuple[Floats, float]:
+def trend(values: Floats) -> tuple[Floats, float]:
     """Return the change along a straight line through values, (n, k), and what it explains of them.
 
     Returns:

@@ -11,7 +11,7 @@ from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import BaseTrack, base_motion
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
-from dogbot_logtool.core.base.witness import Witness
+from dogbot_logtool.core.base.witness import POINTS, Witness
 from dogbot_logtool.core.consistency import Delay, Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
@@ -167,7 +167,7 @@ class Walk:
     @property
     def feet_on_poses(self) -> tuple[str, ...]:
         """Names of the feet whose lengths rest on the base's poses."""
-        own = self.witness is not None and self.witness.by == "contact points"
+        own = self.witness is not None and self.witness.by == POINTS
         return tuple(foot.name for foot in self.feet if not (own and foot.length_from == "points"))
 
     @property

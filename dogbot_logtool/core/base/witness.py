@@ -40,6 +40,8 @@ UNSURE_MPS: Final = 0.1
 """m/s, the same of a base that hardly moves."""
 _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
+POINTS: Final = "contact points"
+LEGS: Final = "legs"
 
 
 class Witness(NamedTuple):
@@ -48,7 +50,7 @@ class Witness(NamedTuple):
     poses: BaseHistory
     """From any origin; the heading is that of the robot's forward axis if `tells_heading`."""
     by: str
-    """``contact points`` or ``legs``."""
+    """`POINTS` or `LEGS`."""
     tells_heading: bool
     """Whether the heading is the robot's own, and not only its changes are known."""
     tells_turn: bool
@@ -66,7 +68,7 @@ class Witness(NamedTuple):
         """
         if len(recorded.time) or not (self.tells_heading and self.tells_turn):
             return None
-        ahead = 0.0 if self.by == "legs" else forward_rad
+        ahead = 0.0 if self.by == LEGS else forward_rad
         return replace(
             recorded,
             time=self.poses.time,
@@ -119,7 +121,7 @@ def by_points(
     elif len(base.time):
         angles[:, 2] = np.interp(time - time[0], base.time - time[0], base.angles[:, 2])
     poses = BaseHistory(time, centre, angles)
-    return Witness(poses, "contact points", heading is not None, turns)
+    return Witness(poses, POINTS, heading is not None, turns)
 
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
@@ -201,7 +203,7 @@ def by_legs(
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
     poses = dead_reckoned(legs, angles[:, :2])
-    return Witness(poses, "legs", tells_heading=True, tells_turn=tells_turn)
+    return Witness(poses, LEGS, tells_heading=True, tells_turn=tells_turn)
 
 
 def feet_witness(

@@ -7,6 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.base.axes import has_heading, usual_places
+from dogbot_logtool.core.base.witness import POINTS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
 
@@ -64,7 +65,7 @@ def by_feet(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's motion stands in for poses of the base."""
     if walk.base_by_feet and walk.witness is not None:
         by = walk.witness.by
-        part = ("part",) if by == "contact points" else ()
+        part = ("part",) if by == POINTS else ()
         yield found("BASE_FROM_LEGS", "feet", *part, where="base", say="plain", by=by)
 
 

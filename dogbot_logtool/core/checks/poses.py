@@ -21,6 +21,8 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.leg_odometry import turns_and_up
 from dogbot_logtool.core.base.witness import (
+    LEGS,
+    POINTS,
     SWINGS,
     Comparison,
     Motion,
@@ -29,12 +31,11 @@ from dogbot_logtool.core.base.witness import (
     motion_in,
     stride_windows,
 )
+from dogbot_logtool.core.consistency import STEADY, trend
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
 
-POINTS: Final = "contact points"
-LEGS: Final = "legs"
 WINDOW_S: Final = 1.0
 """s, in place of strides where none are known."""
 SCALES: Final = (0.8, 1.25)
@@ -273,8 +274,6 @@ what a lean that is some degrees off makes of it."""
 MOST_RISE: Final = 0.05
 RISES: Final = 0.2
 """Share of its height by which a base that rises steadily over its feet does not do it itself."""
-STEADY: Final = 0.9
-"""Share of the variance of the rise that a straight line explains."""
 FEWEST_STRIDES: Final = 4
 
 
@@ -288,8 +287,8 @@ def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
     elif feet.by == POINTS and height and abs(metres) > RISES * height.median:
         # A robot that crouches, or stretches its legs, does so at once.
-        straightness = float(np.corrcoef(np.arange(feet.strides), rise)[0, 1])
-        if feet.strides >= FEWEST_STRIDES and straightness**2 >= STEADY:
+        _, steadiness = trend(rise[:, None])
+        if feet.strides >= FEWEST_STRIDES and steadiness >= STEADY:
             words = {"say": "rises" if metres > 0.0 else "sinks", "metres": abs(metres)}
             yield found("WORLDS_DIFFER", "drifts", where="base.height_m", **words)
 
