@@ -5,7 +5,7 @@ their log times, put on the clock of the base by how far the base's stamps lie b
 delay then includes that of the recorder, and a finding says so.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -128,9 +128,6 @@ class CommandTrack(NamedTuple):
     measured: Floats
     opposed: tuple[str, ...]
     """The axes of which the base does the opposite of the command."""
-    drifts: Mapping[str, Floats]
-    """(3,) mean velocity while ``straight`` ahead is commanded, and while the robot steps ``in
-    place``, where it does so for long enough."""
 
     @property
     def breaks(self) -> Ints:
@@ -180,8 +177,5 @@ class ImuComparison(NamedTuple):
     reading: Reading
     scale: float
     """Reading over expected value."""
-    turned_rad: float | None
-    """Turn of the horizontal accelerations against those of poses, to the left; None: none that is
-    clear."""
     forces: ForceComparison | None
     """None: no mass, or vertical forces are not known."""
