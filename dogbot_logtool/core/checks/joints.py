@@ -3,7 +3,7 @@
 While a foot stands, the motors of its leg give what the ground's force takes: the sum of their work
 is minus the force times the way of the foot in the base's frame (virtual work of a leg without
 mass; a leg's inertia blurs it, but does not turn it round). Where no forces tell, only the sum over
-all joints can be judged: over whole strides motors lift and speed up the robot and make up for
+all joints can be judged: over whole strides motors lift the robot and make up for
 losses, which are never negative.
 """
 
@@ -205,7 +205,7 @@ def _leg_signs(
     odd = (np.linalg.norm(given * factors, axis=0) > _MATTERS * size) & (factors < 0.0)
     if not odd.any() or _cosine(given @ factors, taken) < AGREES:
         return None
-    names = tuple(joints[row].name for row in np.flatnonzero(odd))
+    names = tuple(joints[row].name for row in np.flatnonzero(odd).tolist())
     return names, float(np.linalg.norm(given @ np.sign(factors))) / size
 
 
