@@ -74,7 +74,7 @@ def assert_same_arrows(
     for name, (rtol, atol) in tolerances.items():
         kind = np.float32 if name == "colour" else np.float64
         found, wanted = (
-            np.array([getattr(arrow, name) for arrow in arrows if arrow.position], kind)
+            [kind(getattr(arrow, name)) for arrow in arrows if arrow.position]
             for arrows in (actual, expected)
         )
         np.testing.assert_allclose(found, wanted, rtol=rtol, atol=atol, err_msg=name)

@@ -4,7 +4,6 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
@@ -44,7 +43,6 @@ from tests.oracles.ros1_logs import (
 from tests.oracles.small_logs import CONTACTS, write_log
 from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED, WALK
-from tests.reader.mcap_bytes import CHUNK, DATA_END, FOOTER, MAGIC, record, text
 
 COPIES: list[tuple[Path, Compression | None, str]] = [
     (TROUBLED, "zstd", "ros1"),
@@ -130,24 +128,6 @@ def test_mcap_extras_are_copied_with_the_messages(tmp_path: Path) -> None:
     copied = (tmp_path / "odd.mcap").read_bytes()
     assert b"w\xffather" in copied
     assert b"here be unicorn" not in copied
-
-
-def test_a_chunk_without_messages(tmp_path: Path) -> None:
-    """One before every chunk, and one behind them, in a file without an index."""
-    log, target = tmp_path / "log.mcap", tmp_path / "out.mcap"
-    write_ros1_mcap(log, small_walk(0.2), compression=CompressionType.NONE, chunk_size=10_000)
-    with log.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    data, data_end = log.read_bytes(), record(DATA_END, bytes(4))
-    starts = [index.chunk_start_offset for index in summary.chunk_indexes]
-    parts = pairwise([0, *starts, data.rindex(data_end[:9])])
-    empty = record(CHUNK, bytes(28) + text("") + bytes(8))
-    body = b"".join(data[start:end] + empty for start, end in parts)
-    log.write_bytes(body + data_end + record(FOOTER, bytes(20)) + MAGIC)
-    done = convert(log, target, ConvertOptions())
-    assert (done.damage.exit_code, done.copied) == (0, 100)
-    assert len(read_written(target).messages) == 100 + sum(done.annotations.values())
 
 
 # --- Chosen topics --------------------------------------------------------------------------------

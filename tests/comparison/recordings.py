@@ -147,11 +147,11 @@ def compared(
     folder: Path, expected: Recording | Path, actual: Recording | Path, **options: Any
 ) -> Comparison:
     """Write what is not written yet, and compare."""
-    paths = [
+    one, other = (
         side if isinstance(side, Path) else side.write(folder / f"{name}.mcap")
         for name, side in (("expected", expected), ("actual", actual))
-    ]
-    result = compare(*paths, CompareOptions(**options))
+    )
+    result = compare(one, other, CompareOptions(**options))
     assert result.same == (not result.difference_count)
     return result
 
