@@ -6,7 +6,7 @@ from typing import Final
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
-from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.legs.swings import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
@@ -161,9 +161,7 @@ def leg_chains(
     feet, chains = selection.robot.feet, list[LegChain | None]()
     named = named_frames(feet, parents)
     for number, foot in enumerate(feet):
-        frame, point = probe.links[number], probe.soles.get(number)
-        if foot.frame is not None:
-            frame, point = foot.frame, foot.contact_point_m
+        frame, point = _place_of_foot(selection, probe, number) or (None, None)
         if frame and point:
             places = [(frame, point, foot.frame is None or any(point))]
         else:
@@ -191,3 +189,23 @@ def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
     named = {each.leg_position or each.name: each.topic for each in found.feet}
     keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
     return {number: named[key] for number, key in enumerate(keys) if key in named}
+
+
+def _place_of_foot(
+    selection: Selection, probe: KnownFrames, number: int
+) -> tuple[str, Point | None] | None:
+    """Return the frame of a foot and where it touches, m in that frame; None: not known.
+
+    By the robot's file, else by the link of its contacts. A foot that reports no contact is on a
+    link that is named as another foot's, but for the foot's name, and is made like that one.
+    """
+    foot = selection.robot.feet[number]
+    names = [each.name for each in selection.robot.feet]
+    if foot.frame is not None:
+        return foot.frame.lstrip("/"), foot.contact_point_m
+    for like, link in sorted(enumerate(probe.links), key=lambda each: each[0] != number):
+        if link is not None and (like == number or names[like] in link):
+            named = link.lstrip("/").replace(names[like], foot.name)
+            if like == number or named in probe.parents:
+                return named, probe.soles.get(number, probe.soles.get(like))
+    return None
