@@ -5,7 +5,7 @@ stride, which is no error. Commands are averaged alike, so that this delays noth
 until the next, but not beyond a time-out.
 """
 
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.metrics import Planned
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.vectors import AXES, TRACKING_HZ, CommandTrack, VectorHistory
+from dogbot_logtool.core.vectors import AXES, TRACKING_HZ, CommandTrack, PlannedFoot, VectorHistory
 from dogbot_logtool.core.walk import Walk
 
 USUAL_WINDOW_S: Final = 0.5
@@ -148,19 +148,6 @@ ON_TIME_S: Final = 0.02
 """s; touchdowns that are off by less are on time, and by less than a sample of either, too."""
 _LONE_S: Final = 0.25
 """s around a touchdown without neighbours in which its match is looked for."""
-
-
-class PlannedFoot(NamedTuple):
-    """A foot's measured steps against its planned ones, in the time that is known of both."""
-
-    topic: str
-    """Topic of the plan."""
-    touchdowns: int
-    """Planned ones."""
-    early: int
-    """Matched touchdowns that are early by more than a sample and `ON_TIME_S`. Also `late`."""
-    late: int
-    metrics: Planned
 
 
 def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:

@@ -23,7 +23,7 @@ from dogbot_logtool.core.corrections.clock import (
     offset_track,
     too_far_apart,
 )
-from dogbot_logtool.core.metrics import Commands, Imu, Tracking, Turning
+from dogbot_logtool.core.metrics import Commands, Imu, Planned, Tracking, Turning
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.recording import VectorSamples
 from dogbot_logtool.core.records import Number
@@ -154,6 +154,19 @@ class CommandTrack(NamedTuple):
             lateral=Tracking(*lateral),
             yaw=Turning(*yaw),
         )
+
+
+class PlannedFoot(NamedTuple):
+    """A foot's measured steps against its planned ones, in the time that is known of both."""
+
+    topic: str
+    """Topic of the plan."""
+    touchdowns: int
+    """Planned ones."""
+    early: int
+    """Matched touchdowns that are early by more than a sample and `ON_TIME_S`. Also `late`."""
+    late: int
+    metrics: Planned
 
 
 Reading = Literal["m/s^2", "g", "without gravity", "nothing", "another scale", "unclear"]

@@ -29,9 +29,8 @@ from dogbot_logtool.core.stability import Instants, stability
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.following import PlannedFoot
     from dogbot_logtool.core.legs.joints import LegFigures
-    from dogbot_logtool.core.vectors import CommandTrack, ImuComparison
+    from dogbot_logtool.core.vectors import CommandTrack, ImuComparison, PlannedFoot
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
