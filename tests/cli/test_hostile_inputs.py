@@ -22,7 +22,7 @@ import zstandard
 from dogbot_logtool.robot.robot import load_robot
 from tests.forked_cli import run
 from tests.oracles.recorded import unpacked
-from tests.oracles.walks import Entry, Walk, write_library_mcap
+from tests.oracles.walks import Entry, Walk, write_mcap
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
@@ -107,7 +107,7 @@ def entries(kind: str = "") -> list[Entry]:
 
 
 def write(path: Path, rows: Sequence[Entry]) -> None:
-    write_library_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
+    write_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
 
 
 def set_right(path: Path) -> None:

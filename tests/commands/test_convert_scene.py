@@ -31,9 +31,9 @@ from tests.oracles.state_walks import StateWalk
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.truth import physics
 from tests.truth.free_walker import trot
-from tests.truth.margins import hull, margin
 from tests.truth.parts import urdf
 from tests.truth.physics import KEPT_S
+from tests.truth.recording import hull, margin
 
 # --- Support --------------------------------------------------------------------------------------
 
