@@ -39,7 +39,9 @@ def worlds() -> Iterator[Case]:
     )
     # Lengths of feet with points of their own stay.
     yield Case("odometry displaced by 5 m", TROT, (pose.jump(0.0, (3.0, 4.0, 0.0)),), WORLDS,
-               known="stride length")
+               known="stride length, braking")
+    yield Case("odometry displaced by 5 m and turned by 45 degrees", TROT,
+               (pose.relocalised(0.0, radians(45.0), (3.0, 4.0, 0.0)),), WORLDS)
     yield Case("odometry displaced by 2 m, points of the hind feet only", TROT,
                (pose.jump(0.0, (1.2, 1.6, 0.0)), without("front_left", "front_right"), NO_MASS),
                "WORLDS_DIFFER", f"{WORLDS}|NO_MESSAGES")
