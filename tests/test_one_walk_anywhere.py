@@ -77,13 +77,11 @@ Annotation = tuple[str, int, int, bytes]
 """Topic, log time and publish time, ns, and payload."""
 
 
-def annotations(
-    folder: Path, log: Path, encoding: str, jobs: int = 1, start: Start | None = None
-) -> list[Annotation]:
+def annotations(folder: Path, log: Path, encoding: str, jobs: int = 1) -> list[Annotation]:
     """Every message that is added to a log."""
     target = folder / "annotated.mcap"
     options = ConvertOptions(encoding=encoding, copy=False, jobs=jobs, overwrite=True)
-    convert(log, target, options, start=start)
+    convert(log, target, options)
     written = read_written(target)
     return sorted(
         (written.channels[each.channel_id].topic, each.log_time, each.publish_time, each.data)
@@ -128,5 +126,6 @@ def test_any_workers_write_the_same_annotations(
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
     monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", 1000)
+    monkeypatch.setattr("dogbot_logtool.reader.workers.start_method", lambda _log: start)
     log = write_library_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
-    assert annotations(tmp_path, log, "foxglove", jobs, start) == expected_annotations["foxglove"]
+    assert annotations(tmp_path, log, "foxglove", jobs) == expected_annotations["foxglove"]

@@ -8,6 +8,7 @@ from tests.truth import gaits
 from tests.truth import world_faults as world
 from tests.truth.foot_faults import without
 from tests.truth.judging import Case
+from tests.truth.pose_faults import started_anywhere
 from tests.truth.recording import Disturbance
 from tests.truth.robots import biped
 from tests.truth.walking import Walk
@@ -39,7 +40,9 @@ def worlds() -> Iterator[Case]:
     )
     # Lengths of feet with points of their own stay.
     yield Case("odometry displaced by 5 m", TROT, (world.displaced((3.0, 4.0, 0.0)),), WORLDS,
-               known="stride length")
+               known="stride length, braking")
+    yield Case("odometry displaced by 5 m and turned by 45 degrees", TROT,
+               (started_anywhere((3.0, 4.0, 0.0), radians(45.0)),), WORLDS)
     yield Case("odometry displaced by 2 m, points of the hind feet only", TROT,
                (world.displaced((1.2, 1.6, 0.0)), without("front_left", "front_right"), NO_MASS),
                "WORLDS_DIFFER", f"{WORLDS}|NO_MESSAGES")
