@@ -45,7 +45,7 @@ def many_of_a_kind(kind: str, topic: str, path: Path, count: int) -> None:
     walk = Walk(2)
     data = next(entry.data for entry in walk.messages(CONTACTS) if entry.kind == kind)
     entries = (Entry(f"{topic}{n}", kind, n * 1000, data) for n in range(1, count + 1))
-    write_library_mcap(path, walk, entries, 1 << 26)
+    write_mcap(path, walk, entries, 1 << 26)
 
 
 def descriptions_between_messages(path: Path, count: int) -> None:
