@@ -7,8 +7,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of, median_of_known
-from dogbot_logtool.core.base.falls import down_spans
-from dogbot_logtool.core.checks.poses import feet_agree
+from dogbot_logtool.core.base.motion import down_spans
+from dogbot_logtool.core.checks.base import feet_agree
 from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
