@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, interpolated, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
@@ -147,9 +147,8 @@ class MovingGround(NamedTuple):
 
     def displacement_at(self, time: Ints) -> Floats:
         """Return where the ground has moved to, (m, 3) m; before and after, it stands."""
-        since = (self.time - self.time[0]).astype(np.float64)
-        flat = [np.interp(time - self.time[0], since, axis) for axis in self.displacement.T]
-        return np.stack([*flat, np.zeros(len(time))], axis=1)
+        flat = interpolated(time, self.time, self.displacement)
+        return np.column_stack([flat, np.zeros(len(time))])
 
     def on_ground(self, base: BaseHistory) -> BaseHistory:
         """Return poses against the ground."""
