@@ -274,9 +274,6 @@ def _by_twist(walk: Walk, windows: Ints, own: Motion) -> Comparison | None:
     return compared if compared is not None and compared.tells_way else None
 
 
-UNITS: Final = {1e3: "millimetres", 1e2: "centimetres", 39.37: "inches", 3.281: "feet"}
-"""Metres in what positions may be in."""
-OTHER: Final = "another unit, or a clock that runs at another speed?"
 FURTHEST_LEGS: Final = 5.0
 """Lengths of a leg that no robot goes in a stride."""
 LONGEST_LEG_M: Final = 0.25
@@ -291,9 +288,8 @@ def _scale(walk: Walk, own: Motion, way: Comparison | None) -> Iterator[Finding]
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
     factor = 1.0 if way is None else way.scale
     if not SCALES[0] <= factor <= SCALES[1]:
-        near = [each for number, each in UNITS.items() if 0.8 <= factor / number <= 1.25]
-        unit = f"positions in {near[0]}? --set odometry_scale={1.0 / factor:.3g}" if near else OTHER
-        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=way, unit=unit)
+        metres = 1.0 / factor
+        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=way, metres=metres)
     elif walk.period_s and length_m > longest:
         yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
 
@@ -310,28 +306,18 @@ def _orientation(
     walk: Walk, own: Motion, feet: Comparison | None, windows: Ints
 ) -> Iterator[Finding]:
     """Yield that the orientation does not turn although the robot does."""
+    by, told, turns = "the gyroscope", _inertial(walk, windows)[0], own.turn
     if feet is not None and walk.witness is not None and walk.witness.tells_turn:
-        by, told, turns, least = feet.by, feet.reference.turn, feet.own.turn, TURNS_RAD
-    else:
-        by, told, turns, least = "the gyroscope", _inertial(walk, windows)[0], own.turn, TURNS_RAD
-        if not np.nan_to_num(told).any():
-            by, told, least = "its course", _course_turns(walk, windows), 2.0 * TURNS_RAD
+        by, told, turns = feet.by, feet.reference.turn, feet.own.turn
     both = np.isfinite(told) & np.isfinite(turns)
-    turned, own_turn = float(told[both].sum()), float(turns[both].sum())
+    turned, own_turn, least = float(told[both].sum()), float(turns[both].sum()), TURNS_RAD
+    is_constant = walk.period_s and not np.ptp(walk.poses.angles, axis=0).any()
+    if is_constant and not np.nan_to_num(told).any():
+        course = np.unwrap(np.angle(own.displacement[np.abs(own.displacement) > CLIMBS_M]))
+        by, turned, least = "its course", float(np.diff(course).sum()), 2.0 * TURNS_RAD
     if abs(turned) > least and own_turn * np.sign(turned) < TURNS_WITH * abs(turned):
         own_deg, deg = np.degrees([own_turn, turned]).tolist()
         yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
-
-
-def _course_turns(walk: Walk, windows: Ints) -> Floats:
-    """(k,) rad, by how much the course turns to each stride, beside one orientation to the bit."""
-    poses, turns = walk.poses, np.full(len(windows), np.nan)
-    if walk.period_s and not np.ptp(poses.angles, axis=0).any():
-        step = np.diff(poses.position_at(windows.ravel())[:, :2].reshape(-1, 2, 2), axis=1)[:, 0]
-        rows = np.flatnonzero(np.hypot(*step.T) > CLIMBS_M)
-        course = np.unwrap(np.arctan2(step[rows, 1], step[rows, 0]))
-        turns[rows] = np.diff(course, prepend=course[:1])
-    return turns
 
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
