@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.consistency import all_silent
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.wrench_frame import FrameFit, WrenchFrame, WrenchFrameEvidence
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.core.known_frames import Counts, WorldFrames
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.recording import Recording
@@ -205,17 +205,14 @@ def _evidence(seen: WrenchFrameEvidence) -> str:
         if seen.frame is WrenchFrame.UNKNOWN:
             return "too few loaded samples with normals were seen"
         return "as their type promises"
-    text = f"as recorded, {_fit_text(seen.world)}"
-    if seen.link is not None:
-        text += f"; turned from the links' frames, {_fit_text(seen.link)}"
-    return f"{text}; {seen.samples} samples"
-
-
-def _fit_text(fit: FrameFit) -> str:
-    return (
-        f"{fit.in_cone:.0%} of the load lies within the friction cone and its sum leans "
+    fits = {"as recorded": seen.world, "turned from the links' frames": seen.link}
+    told = [
+        f"{how}, {fit.in_cone:.0%} of the load lies within the friction cone and its sum leans "
         f"{degrees(atan(fit.net_tilt)):.0f} degrees from the vertical"
-    )
+        for how, fit in fits.items()
+        if fit is not None
+    ]
+    return f"{'; '.join(told)}; {seen.samples} samples"
 
 
 def transform_findings(frames: WorldFrames, counts: Counts) -> Iterator[Finding]:
