@@ -31,16 +31,17 @@ from tests.oracles.recorded import (
     contact_topic,
     read_log,
 )
-from tests.oracles.ros1_logs import (
+from tests.oracles.small_logs import (
+    CONTACTS,
     contact,
     contacts,
     odometry,
     small_walk,
     transform,
     write_bag,
+    write_log,
     write_ros1_mcap,
 )
-from tests.oracles.small_logs import CONTACTS, write_log
 from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED, WALK
 
