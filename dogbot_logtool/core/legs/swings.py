@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, median_of, rows_of_runs
+from dogbot_logtool.core.arrays import Floats, Ints, median_of
 from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, known_path
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
@@ -109,10 +109,8 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
     return known_path(time, position.astype(np.float32)) if poses.known.any() else None
 
 
-APPROACH_S: Final = 0.03
-"""s before a touchdown that its velocity is taken from."""
-FEWEST_ROWS: Final = 4
-"""Rows of the path that its velocity is taken from."""
+APPROACH: Final = np.linspace(-0.03, 0.0, 4)
+"""s before a touchdown at which the foot's places tell its velocity."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
@@ -137,18 +135,23 @@ def swings(
     before, after = stood.position[strides.stance], stood.position[strides.stance + 1]
     known = path.unbroken(strides.touchdown, strides.end)
     known &= np.isfinite(before).all(axis=1) & np.isfinite(after).all(axis=1)
-    period = (strides.end - strides.touchdown)[:, None]
-    time = strides.touchdown[:, None] + np.rint(period * CYCLE).astype(np.int64)
-    height = _above_line(path.at(time), before[:, None], after[:, None])
-    displacement = after - before
+
+    def height_from(start: Ints) -> Floats:
+        """(strides, points) m, above the line between the footfalls, from some times to the end."""
+        time = start[:, None] + np.rint((strides.end - start)[:, None] * CYCLE).astype(np.int64)
+        return _above_line(path.at(time), before[:, None], after[:, None])
+
+    length = np.hypot(*(after - before)[:, :2].T)
     velocity = _approach(path, strides, contact_interval_s)
     values = (
-        _clearance(path, strides, before, after, known),
-        np.where(known, np.hypot(displacement[:, 0], displacement[:, 1]), np.nan),
+        np.where(known, height_from(strides.liftoff).max(axis=1), np.nan),
+        np.where(known, length, np.nan),
         -velocity[:, 2],
         np.hypot(velocity[:, 0], velocity[:, 1]),
     )
-    return dict(zip(SWINGS, values, strict=True)), cycle_curve(height[known])
+    return dict(zip(SWINGS, values, strict=True)), cycle_curve(
+        height_from(strides.touchdown)[known]
+    )
 
 
 def is_slow(path: FootPath, contact_interval_s: float) -> bool:
@@ -158,22 +161,7 @@ def is_slow(path: FootPath, contact_interval_s: float) -> bool:
     return float(median_of(np.diff(path.time))) > SLOWEST_NS
 
 
-def _clearance(
-    path: FootPath, strides: Strides, before: Floats, after: Floats, known: Flags
-) -> Floats:
-    """(strides,) m, highest point of each swing that is known above the line of footfalls."""
-    clearance = np.full(len(before), np.nan)
-    begin, end = (np.searchsorted(path.time, time) for time in (strides.liftoff, strides.end))
-    swing = np.flatnonzero(known & (end > begin))
-    if len(swing):
-        rows, run, first = rows_of_runs(begin[swing], end[swing])
-        owner = swing[run]
-        height = _above_line(path.position[rows], before[owner], after[owner])
-        clearance[swing] = np.maximum.reduceat(height, first)
-    return clearance
-
-
-def _above_line(position: Floats | Float32s, before: Floats, after: Floats) -> Floats:
+def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
     """Return how high points lie above the line between two footfalls; shapes broadcast, m."""
     displacement = after - before
     squared = displacement[..., 0] ** 2 + displacement[..., 1] ** 2
@@ -187,25 +175,17 @@ def _above_line(position: Floats | Float32s, before: Floats, after: Floats) -> F
 def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:
     """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
 
-    It is the slope there of the parabola that fits the path's last rows, `APPROACH_S` of them but
-    at least four. NaN where path or contacts are told too rarely, or the swing is shorter.
+    It is the slope there of the parabola that fits its places at the times of `APPROACH`. NaN where
+    path or contacts are told too rarely, or the swing is shorter.
     """
-    velocity = np.full((len(strides.end), 3), np.nan)
     if is_slow(path, contact_interval_s):
-        return velocity
-    interval = float(median_of(np.diff(path.time)))
-    rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
+        return np.full((len(strides.end), 3), np.nan)
     aloft = strides.end - round(contact_interval_s * 1e9)
-    last = np.searchsorted(path.time, aloft, side="right") - 1
-    chosen = last[:, None] + np.arange(1 - rows, 1)
-    known = chosen[:, 0] >= 0
-    chosen = np.maximum(chosen, 0)
-    known &= path.time[chosen[:, 0]] >= strides.liftoff
-    known &= ~path.broken[chosen[:, 1:]].any(axis=1) & (aloft - path.time[last] <= 2 * interval)
-    since_s = (path.time[chosen[known]] - aloft[known, None]) / 1e9
-    slope = np.linalg.pinv(np.stack([since_s**0, since_s, since_s**2], axis=-1))[:, 1]
-    velocity[known] = np.einsum("nt,ntc->nc", slope, path.position[chosen[known]])
-    return velocity
+    time = aloft[:, None] + np.rint(APPROACH * 1e9).astype(np.int64)
+    slope = np.linalg.pinv(np.stack([APPROACH**0, APPROACH, APPROACH**2], axis=-1))[1]
+    velocity = np.einsum("t,ntc->nc", slope, path.at(time))
+    velocity[time[:, 0] < strides.liftoff] = np.nan
+    return np.asarray(velocity)
 
 
 def steps(
