@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, aggregate
-from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
+from dogbot_logtool.core.base.foot_path import FootPath, footfalls
 from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import FootSteps
@@ -20,7 +20,6 @@ from dogbot_logtool.core.legs.joints import (
     summed_work,
 )
 from dogbot_logtool.core.legs.swings import (
-    LegChain,
     LegSettings,
     foot_path,
     is_slow,
@@ -62,16 +61,11 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     apart = too_far_apart(clocks, walk.period_s) & set(settings.joint_topics)
     unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
     unplaced |= bool(apart and settings.joints)
-    legs, stood, feet = [], [], []
-    for row, (foot, path) in enumerate(zip(walk.feet, paths, strict=True)):
-        leg, falls, swung = _leg(walk, settings, row, path, UNPLACED if unplaced else "")
-        own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
-        own = [each for each in own if each.works or not each.moves]
-        work = summed_work(own, foot.strides.touchdown, foot.strides.end)
-        of_leg = swung | dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
-        feet.append(_with_frame(walk, settings.chains[row], foot, of_leg, falls))
-        legs.append(leg)
-        stood.append(falls)
+    legs = [
+        _leg(walk, settings, row, path, UNPLACED if unplaced else "")
+        for row, path in enumerate(paths)
+    ]
+    feet = tuple(_with_leg(walk, settings, row, legs, joints) for row in range(len(legs)))
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
     work = np.empty((2, 0))
@@ -96,16 +90,12 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     witness = walk.witness
     if witness is None and not walk.settings.base_from_legs:
         witness = by_legs(paths, walk.records, walk.corrected.base)
-    feet = [
-        foot._replace(of_strides={**foot.of_strides, **_steps(walk, row, stood)})
-        for row, foot in enumerate(feet)
-    ]
-    return replace(walk, legs=figures, feet=tuple(feet), witness=witness)
+    return replace(walk, legs=figures, feet=feet, witness=witness)
 
 
 def _leg(
     walk: Walk, settings: LegSettings, row: int, path: FootPath | None, unplaced: str
-) -> tuple[LegFoot, Footfalls | None, dict[str, Floats]]:
+) -> LegFoot:
     """Return the leg of a foot, and where that stands, and its swings, if its frame rests then.
 
     Args:
@@ -118,14 +108,14 @@ def _leg(
     foot, chain = walk.feet[row], settings.chains[row]
     too_little = "" if path else "too little of its leg is told"
     reason = settings.reasons[row] or too_little or unplaced
-    leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path)
+    leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path, {})
     if path is None or leg.reason:
-        return leg, None, {}
+        return leg
     world = path.in_world(walk.poses)
     stood = footfalls(world, foot.stances)
     travel = aggregate(stood.travel_m[foot.stances.whole])
     if travel is None:
-        return leg._replace(reason="no whole stance in which its leg is told"), None, {}
+        return leg._replace(reason="no whole stance in which its leg is told")
     interval_s = foot.record.median_interval_s or np.inf
     found, height = swings(world, stood, foot.strides, interval_s)
     length = aggregate(found["swing_length_m"])
@@ -134,42 +124,54 @@ def _leg(
             f"its frame moves by {travel.median * 1e3:.0f} mm in the middle of a stance: it is not "
             "the foot's, the odometry drifts, or the foot slips"
         )
-        return leg._replace(reason=reason, moves=True), None, {}
+        return leg._replace(reason=reason, moves=True)
     slow = is_slow(world, interval_s)
-    return leg._replace(height=height, is_slow=slow), stood, found
+    return leg._replace(stood=stood, swings=found, height=height, is_slow=slow)
 
 
-def _with_frame(
+def _with_leg(
     walk: Walk,
-    chain: LegChain | None,
-    foot: FootSteps,
-    of_leg: Mapping[str, Floats],
-    stood: Footfalls | None,
+    settings: LegSettings,
+    row: int,
+    legs: Sequence[LegFoot],
+    joints: Mapping[str, JointTrack],
 ) -> FootSteps:
-    """Return a foot with what its leg tells: slips too, and lengths where its sensor has none."""
-    foot = foot._replace(of_strides={**foot.of_strides, **of_leg})
-    if stood is None or chain is None:
-        return foot
-    length = of_leg["swing_length_m"]
-    if foot.length_from == "base" and np.isfinite(length).any():
-        lengths = {**foot.of_strides, "stride_length_m": length}
-        foot = foot._replace(of_strides=lengths, length_from="foot_frame")
+    """Return a foot with what its leg tells: swings, steps, work; slips, and lengths by its frame.
+
+    Args:
+        walk: all other figures.
+        settings: sources of the legs.
+        row: of the foot.
+        legs: of all feet.
+        joints: by name.
+    """
+    foot, leg, chain = walk.feet[row], legs[row], settings.chains[row]
+    own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
+    own = [each for each in own if each.works or not each.moves]
+    work = summed_work(own, foot.strides.touchdown, foot.strides.end)
+    done = dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
+    of_strides = {**foot.of_strides, **leg.swings, **_steps(walk, row, legs), **done}
+    if leg.stood is None or chain is None:
+        return foot._replace(of_strides=of_strides)
+    if foot.length_from == "base" and np.isfinite(leg.swings["swing_length_m"]).any():
+        of_strides["stride_length_m"] = leg.swings["swing_length_m"]
+        foot = foot._replace(length_from="foot_frame")
     # The middle of a ball rolls with it: less the rolling, if that is known.
     rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
-    if rolling is None:
-        return foot
-    slips = {
-        "slip_m": slip_m(stood.slip_m, rolling),
-        "slip_largest_m": slip_m(stood.largest_slip_m, rolling),
-    }
-    return foot._replace(of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
+    if rolling is not None:
+        slips = {
+            "slip_m": slip_m(leg.stood.slip_m, rolling),
+            "slip_largest_m": slip_m(leg.stood.largest_slip_m, rolling),
+        }
+        foot = foot._replace(of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
+    return foot._replace(of_strides=of_strides)
 
 
-def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
+def _steps(walk: Walk, row: int, legs: Sequence[LegFoot]) -> dict[str, Floats]:
     """Return the steps of a foot against the other of its pair, where both are known."""
-    others = [other for other in range(len(walk.feet)) if other != row and walk.paired(row, other)]
-    own = stood[row]
-    other = stood[others[0]] if len(others) == 1 else None
+    others = [other for other in range(len(legs)) if other != row and walk.paired(row, other)]
+    own = legs[row].stood
+    other = legs[others[0]].stood if len(others) == 1 else None
     if own is None or other is None:
         return {}
     return steps(walk.feet[row].strides, own, other, walk.feet[others[0]].stances.touchdown)

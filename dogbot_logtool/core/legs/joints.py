@@ -13,7 +13,13 @@ from dogbot_logtool.core.arrays import (
     Ints,
     median_of,
 )
-from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S, FootPath, silent_before, unbroken
+from dogbot_logtool.core.base.foot_path import (
+    LONGEST_STEP_S,
+    Footfalls,
+    FootPath,
+    silent_before,
+    unbroken,
+)
 from dogbot_logtool.core.corrections.clock import (
     ClockDifference,
     TimeSource,
@@ -107,35 +113,23 @@ def joint_tracks(
     """
     found: dict[str, JointTrack] = {}
     for table in tables:
-        samples = table.samples
-        used: dict[bytes, tuple[Ints, Ints]] = {}
-        """Rows and times by the messages that have states: those of most joints are the same."""
+        samples, time = table.samples, clock.of(table.samples)
+        usable = np.ones(len(time), np.bool_)
+        if clock is TimeSource.HEADER:
+            usable = check_stamps(table.topic, samples.stamp, samples.log_time).usable
         for column, name in enumerate(table.names):
-            recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
-            key = recorded.tobytes()
-            if key not in used:
-                used[key] = _usable(table, np.flatnonzero(recorded), clock)
-            rows, time = used[key]
+            known = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
+            rows = np.flatnonzero(usable & known)
+            rows = rows[advancing(time[rows])]
             if len(rows) and name not in found and len(found) < MOST_JOINTS:
                 position, velocity, effort = (
                     each[rows, column].astype(np.float64)
                     for each in (samples.position, samples.velocity, samples.effort)
                 )
                 limit = limits.get(name, JointLimits())
-                times = time, samples.log_time[rows]
+                times = time[rows], samples.log_time[rows]
                 found[name] = _track(name, times, position, velocity, effort, limit)
     return dict(sorted(found.items()))
-
-
-def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
-    """Return those of some messages whose time is later than all before, and these times, ns."""
-    log_time, stamp = table.samples.log_time[rows], table.samples.stamp[rows]
-    good = np.ones(len(rows), np.bool_)
-    if clock is TimeSource.HEADER:
-        good = check_stamps(table.topic, stamp, log_time).usable.copy()
-    time = clock.of(table.samples)[rows]
-    good[good] = advancing(time[good])
-    return rows[good], time[good]
 
 
 def _track(
@@ -243,8 +237,12 @@ class LegFoot(NamedTuple):
     """Why its swings are not known; empty where they are."""
     path: FootPath | None
     """Of the foot in the base's frame; None: not known."""
+    swings: Mapping[str, Floats]
+    """(strides,) each, by the name of the metric; empty: not known."""
     moves: bool = False
     """The reason is that the frame is not at rest in stances."""
+    stood: Footfalls | None = None
+    """Where it stands, by its frame; None: not known."""
     height: Shape = None
     """m above the line between the footfalls, over the stride."""
     is_slow: bool = False
