@@ -1,7 +1,8 @@
-"""Joints: their states as messages tell them, and what is measured of each over log and strides."""
+"""Legs and their joints: where they are told of, and what is measured of each joint."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -26,15 +27,13 @@ from dogbot_logtool.core.corrections.clock import (
     advancing,
     check_stamps,
 )
+from dogbot_logtool.core.frames import kinematics
 from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
 from dogbot_logtool.core.recording import MOST_JOINTS, JointTable
 from dogbot_logtool.core.records import Shape
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.swings import LegSettings
 
 NEAR_LIMIT: Final = 0.02
 """Share of a joint's range: closer to an end than this is near a limit."""
@@ -57,6 +56,41 @@ class JointLimits(NamedTuple):
     """N m or N."""
     velocity: float = np.inf
     """rad/s or m/s."""
+
+
+class LegChain(NamedTuple):
+    """How a foot hangs on the base."""
+
+    frames: tuple[str, ...]
+    """From the foot's frame up to the child of the base, without leading slashes."""
+    base: str
+    point: tuple[float, float, float]
+    """m, of the foot, in its frame."""
+    touches: bool
+    """Whether the point is where the foot touches the ground, as contacts or the robot's file tell;
+    else it is the frame's origin, perhaps the middle of a ball."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LegSettings:
+    """Sources of a log's legs."""
+
+    chains: tuple[LegChain | None, ...]
+    """How each foot hangs on the base; None: not known."""
+    reasons: tuple[str, ...]
+    """Why a foot has no chain; empty where it has one."""
+    joints: tuple[kinematics.Joint, ...] = ()
+    """Of a robot description, which place the frames of all chains; empty: transforms do."""
+    joint_topics: tuple[str, ...] = ()
+    """Topics of joint states; the best first, whose states of a joint count."""
+    foot_of_joint: Mapping[str, int] = field(default_factory=dict)
+    """Index of the foot that a joint moves, by the joint's name."""
+    pairs: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """Joints that are alike, left and right, by a name for both."""
+    limits: Mapping[str, JointLimits] = field(default_factory=dict)
+    """Limits by the robot description, by the joint's name."""
+    lacking: tuple[str, ...] = ()
+    """Joints of legs that the robot description has and joint states leave out."""
 
 
 class JointTrack(NamedTuple):
@@ -252,7 +286,7 @@ class LegFoot(NamedTuple):
 class LegFigures(NamedTuple):
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 
-    settings: "LegSettings"
+    settings: LegSettings
     feet: tuple[LegFoot, ...]
     joints: Mapping[str, JointTrack]
     """Each joint, by its name."""

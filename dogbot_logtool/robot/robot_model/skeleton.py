@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, median_of
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
-from dogbot_logtool.core.legs.swings import LegChain
+from dogbot_logtool.core.legs.joints import LegChain
 from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.reader.foot import Foot
