@@ -67,7 +67,7 @@ def analyse(
     walk = _measured(mask_walk(corrected))
     legs = find_legs(recording, corrected) if find_legs else None
     if legs is not None:
-        from dogbot_logtool.core.legs.evaluation import with_legs  # noqa: PLC0415
+        from dogbot_logtool.core.leg_evaluation import with_legs  # noqa: PLC0415
 
         walk = with_legs(walk, legs)
     if planned is not None:
