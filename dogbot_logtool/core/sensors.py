@@ -29,6 +29,7 @@ from dogbot_logtool.core.corrections.sensor import (
     SensorLevel,
     estimate_level,
     load_axis,
+    refuted_level,
     without_spikes,
     zero_level,
 )
@@ -73,10 +74,11 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
         levels = fitting_levels(levels, weight)
     estimated = weight_of_levels(levels) if weight is None else None
     found = []
-    for foot, level in zip(settings.feet, levels, strict=True):
-        rule = contact_rule(level, weight or estimated, settings.thresholds)
+    for foot, level, samples in zip(settings.feet, levels, feet, strict=True):
+        interval_s = usual_interval_s(samples.log_time)
+        rule = contact_rule(level, weight or estimated, settings.thresholds, interval_s)
         if foot.has_flags:
-            rule = rule._replace(by_flag=True, backdates=False, unusable="")
+            rule = rule._replace(by_flag=True, unusable="")
         elif _is_stuck(level) and any(_varies(each) for each in levels):
             rule = rule._replace(unusable="its sensor reads one constant force while others vary")
         if foot.low_pass and not foot.low_pass.resolved:
@@ -105,11 +107,11 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
     """
     time, force = samples.log_time, samples.force
     if foot.offset_n is None:
-        zero = SensorLevel(zero_in_swing=True, interval_s=usual_interval_s(time))
+        zero = SensorLevel(zero_in_swing=True)
         if foot.silent_in_swing:
             # Its samples are those in contact only, and their mean is no mean over strides.
             pressed = force[all_finite(force)]
-            level = zero_level(time, np.concatenate([np.zeros((len(pressed) + 3, 3)), pressed]))
+            level = zero_level(np.concatenate([np.zeros((len(pressed) + 3, 3)), pressed]))
             return replace(level or zero, mean_n=None)
         if not foot.has_force:
             return zero
@@ -122,7 +124,7 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
         if level.zero_in_swing or (takes and level.reason):
             return level
         if takes:
-            return level if _is_steady(level, time, force) else level.without_offset(STEPS)
+            return level if _is_steady(level, time, force) else refuted_level(STEPS)
     offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
     rest = estimate_level(time, force - offset)
     knots = np.zeros(1, np.int64)
@@ -188,7 +190,7 @@ def fitting_levels(levels: Levels, weight_n: float) -> Levels:
         return levels
     worsens = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
     return tuple(
-        level.without_offset(worsens)
+        refuted_level(worsens)
         if level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
         else level
         for level in levels

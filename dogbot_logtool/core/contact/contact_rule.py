@@ -47,12 +47,8 @@ BOUNCE: Final = 0.2
 """Share of a foot's usual swing below which a swing is a bounce, if it is shorter than
 `LONGEST_BOUNCE_S`."""
 LONGEST_BOUNCE_S: Final = 0.08
-PART: Final = 0.5
-"""Share of a usual stance below which one of the two is that a foot bounces between."""
 FEWEST_BOUNCES: Final = 3
 """Bounces of a foot in a log, at least."""
-BRIEF: Final = 0.0625
-"""Share of a usual swing below which another foot has taken the load for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 ANY_FORCE_N: Final = 1e-9
@@ -70,10 +66,6 @@ class ContactRule(NamedTuple):
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
-    brief_s: float | None = None
-    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
-    backdates: bool = False
-    """Whether a touchdown is dated back to where the force rose above `off_n`."""
     origin: Origin = "default"
     """The origin of the thresholds."""
     by_flag: bool = False
@@ -92,7 +84,10 @@ class Thresholds(NamedTuple):
 
 
 def contact_rule(
-    level: SensorLevel, weight_n: float | None, given: Thresholds = Thresholds()
+    level: SensorLevel,
+    weight_n: float | None,
+    given: Thresholds = Thresholds(),
+    interval_s: float | None = None,
 ) -> ContactRule:
     """Return what counts as contact for a sensor.
 
@@ -100,6 +95,7 @@ def contact_rule(
         level: how it reads with and without load.
         weight_n: N, the robot's; None: not known, then the foot's own usual load stands for it.
         given: thresholds that are not to be chosen here.
+        interval_s: s, usual sampling interval; None: not known.
     """
     scale = weight_n or level.loaded_n or 0.0
     noise = level.noise_n or 0.0
@@ -111,14 +107,12 @@ def contact_rule(
         off = max(NOISY_OFF * carried, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
     on = given.on_n or max(on, ANY_FORCE_N)
     off = min(given.off_n or off, on)
-    usual_s = max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (level.interval_s or 0.0))
+    usual_s = max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (interval_s or 0.0))
     estimated = weight_n is None or level.origin == "estimated"
     return ContactRule(
         on_n=on,
         off_n=off,
         debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
-        brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
-        backdates=True,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),
     )
@@ -210,52 +204,41 @@ def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
     swings = (time[starts[1:]] - time[ends[:-1]]) / 1e9
     if not len(swings):
         return starts, ends
-    usual = float(percentiles_of(swings, 75.0))
-    longest_s = min(BOUNCE * usual, LONGEST_BOUNCE_S)
-    stances = (time[ends] - time[starts]) / 1e9
-    in_parts = np.minimum(stances[1:], stances[:-1]) < PART * percentiles_of(stances, 75.0)
+    longest_s = min(BOUNCE * float(percentiles_of(swings, 75.0)), LONGEST_BOUNCE_S)
     # Of a swing that begins with a silence it is not known that it is short.
-    apart = (swings >= longest_s) | ~in_parts | silent_before(time)[ends[:-1]]
+    apart = (swings >= longest_s) | silent_before(time)[ends[:-1]]
     if (~apart).sum() < FEWEST_BOUNCES:
         return starts, ends
     return starts[np.append(True, apart)], ends[np.append(apart, True)]
 
 
-def find_stances(
-    time: Ints, contact: Flags, debounce_s: float, brief_s: float = 0.0
-) -> tuple[Ints, Ints, int, int]:
+def find_stances(time: Ints, contact: Flags, debounce_s: float) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
         debounce_s: s, below which swings and stances are too short.
-        brief_s: s, below which swings are, too.
 
     Returns:
         (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
-    silent, fill_ns = silent_before(time), round(max(debounce_s, brief_s) * 1e9)
+    silent, shortest_ns = silent_before(time), round(debounce_s * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.
-    parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
+    parts = (time[begins[1:]] - time[breaks[:-1]] >= shortest_ns) | silent[breaks[:-1]]
     starts = begins[np.append(True, parts)[:runs]]
     ends = breaks[np.append(parts, True)[:runs]]
     # Where the log ends in a stance, its last sample ends it.
     last = np.minimum(ends, len(time) - 1)
-    # Swings that were filled do not count. A single sample stands for no more than the interval
-    # before it: the next may be lost.
-    step = np.diff(time)
-    total = np.concatenate([[0], np.cumsum(step * contact[:-1])])
-    loaded_ns = total[last] - total[starts]
-    single = np.flatnonzero((last - starts == 1) & (starts > 0))
-    loaded_ns[single] = np.minimum(loaded_ns[single], step[starts[single] - 1])
-    brief = (loaded_ns < round(debounce_s * 1e9)) & ~silent[starts]
+    # Swings that were filled do not count.
+    total = np.concatenate([[0], np.cumsum(np.diff(time) * contact[:-1])])
+    brief = (total[last] - total[starts] < shortest_ns) & ~silent[starts]
     # A short one at the log's end may be part of a longer one.
-    brief &= (ends < len(time)) & (silent[last] | (time[-1:] - time[last] >= fill_ns))
+    brief &= ends < len(time)
     return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())
 
 

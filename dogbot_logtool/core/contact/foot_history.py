@@ -28,6 +28,9 @@ from dogbot_logtool.core.corrections.clock import TimeSource
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
+_STUCK: Final = 0.99
+"""Share of neighbouring loaded samples that are equal in a sensor that is stuck."""
+_STUCK_SAMPLES: Final = 40
 _TOUCH_N: Final = 1.0
 """Stands for the force of a contact whose force is not known; no figure shows it."""
 FEWEST_STANCES: Final = 4
@@ -46,10 +49,8 @@ class FootHistory:
     """Messages whose force is not finite; left out."""
     not_advancing: int
     """Messages that repeat a time or step back; left out."""
-    loaded: int
-    """Samples in contact."""
-    repeated: int
-    """Samples in contact whose force equals, to the bit, the one before."""
+    is_constant: bool
+    """Whether the force never varies while the foot is loaded."""
     start: int | None
     """ns, first usable sample; None without any. Also `end`, the last one."""
     end: int | None
@@ -140,7 +141,7 @@ def foot_history(
     """
     messages = len(samples.foot)
     if not has_force:
-        rule = rule._replace(on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
+        rule = rule._replace(on_n=_TOUCH_N, off_n=0.0, unusable="")
         touches = np.outer(np.where(samples.in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
         samples = replace(samples, force=touches)
     if rule.unusable:
@@ -149,21 +150,19 @@ def foot_history(
     track, samples, not_finite = foot_track(samples, clock, force_in_world=force_in_world)
     time, force = track.time, track.force
     contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
-    loaded = int(contact.sum())
     # Turned into the world, a constant force differs in its last digits.
     equal = np.abs(np.diff(force)) <= _SAME * force[1:]
-    repeated = int((equal & contact[1:] & contact[:-1]).sum())
-    if rule.backdates:
+    loaded = equal[contact[1:] & contact[:-1]]
+    enough = has_force and len(loaded) >= _STUCK_SAMPLES
+    if not rule.by_flag:
         contact = backdated(contact, time, force, rule.off_n)
-    shortest = rule.debounce_s, rule.brief_s or 0.0
-    starts, ends, filled, dropped = find_stances(time, contact, *shortest)
+    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
-    if rule.brief_s is not None:
-        stances = len(starts)
-        starts, ends = joined_bounces(time, starts, ends)
-        filled += stances - len(starts)
+    stances = len(starts)
+    starts, ends = joined_bounces(time, starts, ends)
+    filled += stances - len(starts)
 
     gaps = track.gaps
     if len(breaks):
@@ -181,8 +180,7 @@ def foot_history(
         messages=messages,
         not_finite=not_finite,
         not_advancing=used - not_finite - len(time),
-        loaded=loaded,
-        repeated=repeated if has_force else 0,
+        is_constant=bool(enough and loaded.mean() >= _STUCK),
         start=int(time[0]) if len(time) else None,
         end=int(time[-1]) if len(time) else None,
         median_interval_s=float(median_of(steps)) / 1e9 if len(steps) else None,
@@ -204,18 +202,14 @@ def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
 
     Usual is what half of the time on the ground is spent in.
     """
-    nothing = np.zeros(len(starts), np.bool_)
     if len(starts) < FEWEST_STANCES:
-        return nothing
+        return np.zeros(len(starts), np.bool_)
     duration = track.time[ends] - track.time[starts]
-    if not (duration < SCUFF_DURATION * duration.max()).any():
-        return nothing
-    order = np.argsort(duration)
-    half = np.searchsorted(np.cumsum(duration[order]), duration.sum() / 2)
-    usual = int(duration[order[min(half, len(order) - 1)]])
+    ordered = np.sort(duration)
+    usual = ordered[np.searchsorted(np.cumsum(ordered), duration.sum() / 2)]
     impulse = track.force_impulse.total[:, 0]
     mean = (impulse[ends] - impulse[starts]) / np.maximum(duration / 1e9, 1e-9)
-    load = float(median_of(mean[duration > usual // 2]))
+    load = float(median_of(mean[duration >= usual]))
     scuff = (duration < SCUFF_DURATION * usual) & (mean < SCUFF_LOAD * load)
     swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)
     scuff &= (swing > duration) & (np.concatenate([[0], swing[:-1]]) > duration)
