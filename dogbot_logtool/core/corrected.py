@@ -44,7 +44,7 @@ from dogbot_logtool.core.recording import JointTable, Recording, VectorTopic, ha
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 from dogbot_logtool.core.sensors import with_sensors, without_offset
 from dogbot_logtool.core.settings import WalkSettings
-from dogbot_logtool.finding import Finding, found
+from dogbot_logtool.finding import Finding, Words, found
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.vectors import VectorHistory
@@ -279,9 +279,10 @@ LONG_NS: Final = 1_000_000_000
 
 
 def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Finding, ...]]:
-    """Stamp unstamped feet by the clock of the base, or an unstamped base by that of the feet.
+    """Stamp feet and base that have no stamps by the clock of those that do.
 
-    Only where that clock runs at another speed than log time.
+    Only where that clock runs at another speed than log time, as in a simulation: what comes
+    without a stamp happened when the stamped clock read what it did at that log time.
 
     Args:
         recording: the columns of a log.
@@ -290,12 +291,12 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
     Returns:
         the recording, and what was done.
     """
-    feet = [each for each in recording.feet if len(each.log_time)]
-    base, stamped = recording.base, {has_own_stamps(each) for each in feet}
-    base_is_stamped = has_own_stamps(base)
-    if not len(base.log_time) or stamped != {not base_is_stamped}:
+    every: list[Samples | Odometry] = [*recording.feet, recording.base]
+    speaking = [each for each in every if len(each.log_time)]
+    stamped = [each for each in speaking if has_own_stamps(each)]
+    if not stamped or len(stamped) == len(speaking):
         return recording, ()
-    source = base if base_is_stamped else max(feet, key=lambda each: len(each.log_time))
+    source = max(stamped, key=lambda each: len(each.log_time))
     rows = np.flatnonzero((source.stamp > 0) & advancing(source.stamp) & advancing(source.log_time))
     log_time, stamp = source.log_time[rows], source.stamp[rows]
     if len(rows) < FEWEST or log_time[-1] - log_time[0] < LONG_NS:
@@ -304,25 +305,17 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
     if abs(speed - 1.0) <= SAME_SPEED:
         return recording, ()
 
-    def stamped_alike(columns: AnyColumns) -> AnyColumns:
+    def on_clock(columns: AnyColumns) -> AnyColumns:
         own: Any = columns
-        return replace(own, stamp=clock_at(own.log_time, log_time, stamp))  # type: ignore[no-any-return]
+        alike: AnyColumns = replace(own, stamp=clock_at(own.log_time, log_time, stamp))
+        return columns if has_own_stamps(own) else alike
 
-    if base_is_stamped:
-        changed = replace(recording, feet=tuple(stamped_alike(each) for each in recording.feet))
-    else:
-        changed = replace(recording, base=stamped_alike(base))
-    others, stamped_ones = ("feet", "odometry")[:: 1 if base_is_stamped else -1]
-    finding = found(
-        "CLOCK_OFFSET",
-        "little",
-        say="others",
-        where=topic,
-        stamped=stamped_ones,
-        others=others,
-        speed=speed,
+    changed = replace(
+        recording, feet=tuple(map(on_clock, recording.feet)), base=on_clock(recording.base)
     )
-    return changed, (finding,)
+    names = ("odometry", "feet") if has_own_stamps(recording.base) else ("feet", "odometry")
+    words: Words = {"stamped": names[0], "others": names[1], "speed": speed}
+    return changed, (found("CLOCK_OFFSET", "little", say="others", where=topic, **words),)
 
 
 _SENSORS: Final = frozenset(
@@ -370,11 +363,10 @@ def poses_of_base(
     if not (own.known[0] and other.known[0]):
         return recording, (found("POSE_FRAME", "unknown", topic=topic, frame=above[0]),)
     displacement, back = other.translation - own.translation, conjugate(own.rotation)
-    slash = "/" if recording.base_frames[0].startswith("/") else ""
     moved = replace(
         recording,
         base=_moved(recording.base, rotate(back, displacement), multiply(back, other.rotation)),
-        base_frames=(f"{slash}{base}",),
+        base_frames=(base or "",),
     )
     metres = float(np.linalg.norm(displacement))
     moving = found("POSE_FRAME", topic=topic, frame=above[0], base=base, metres=metres)

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from math import pi
 from typing import Final, NamedTuple
 
-from dogbot_logtool.core.contact.contact_rule import ContactRule, Thresholds, contact_rule
 from dogbot_logtool.core.contact.filtered import Filter
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
@@ -17,8 +16,35 @@ GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
 
 
-_ZERO_IN_SWING: Final = SensorLevel(zero_in_swing=True)
-_ANY_FORCE: Final = contact_rule(_ZERO_IN_SWING, None)
+ANY_FORCE_N: Final = 1e-9
+"""Threshold where no force was ever seen, so that nothing tells what a load is."""
+DEBOUNCE_S: Final = 0.020
+
+
+class ContactRule(NamedTuple):
+    """The thresholds of contact."""
+
+    on_n: float
+    """N: |F| from which a foot is in contact."""
+    off_n: float
+    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
+    debounce_s: float
+    """s: shorter swings are filled, then shorter stances dropped."""
+    origin: Origin = "default"
+    """The origin of the thresholds."""
+    by_flag: bool = False
+    """Whether the message's own contact flag decides, whatever the force."""
+    unusable: str = ""
+    """Why the sensor cannot tell contact; empty: it can."""
+
+
+class Thresholds(NamedTuple):
+    """The settings of contact by a user or the robot's file; None: not given."""
+
+    on_n: float | None = None
+    off_n: float | None = None
+    debounce_s: float | None = None
+    origin: Origin = "option"
 
 
 def body_weight_n(mass_kg: float | None) -> float | None:
@@ -49,9 +75,9 @@ class FootSettings(NamedTuple):
     offset_from: Origin = "option"
     low_pass: Filter | None = None
     """The filter that its forces went through; None: none."""
-    level: SensorLevel = _ZERO_IN_SWING
+    level: SensorLevel = SensorLevel(zero_in_swing=True)
     """How its sensor reads without load and under it, once that is learnt from its samples."""
-    rule: ContactRule = _ANY_FORCE
+    rule: ContactRule = ContactRule(ANY_FORCE_N, 0.0, DEBOUNCE_S)
     """What counts as contact of it, likewise."""
 
 

@@ -315,14 +315,18 @@ def _swinging(
     """Insert the swings of a foot, of which there are n samples; arguments as in `with_swings`."""
     interval, swings = usual
     times = np.stack([samples.log_time, samples.stamp])
+    on_stamps = clock is TimeSource.HEADER
+    # Messages that are logged in bursts are late, but for the last of each.
+    late = int((times[0] - times[1]).min()) if on_stamps else 0
     # The log's ends may cut a swing: the foot is silent from one interval before the log starts.
-    ahead = 0 if log_start is None else int(times[0, 0]) - log_start + interval
+    first = int(times[int(on_stamps), 0]) + late
+    ahead = 0 if log_start is None else first - log_start + interval
     if times[1, 0] <= max(0, ahead - interval):
         # A stamp of 0 or less would say that there are none.
         ahead = 0
     behind = 0 if log_end is None else log_end + interval - int(times[0, -1])
     times = np.concatenate([times[:, :1] - ahead, times, times[:, -1:] + behind], axis=1)
-    time, steps = times[int(clock is TimeSource.HEADER)], np.diff(times)
+    time, steps = times[int(on_stamps)], np.diff(times)
     step = np.diff(time)
     # The log's start or end may cut a swing; a shorter silence is a lost message even there.
     lasts_from = np.full(len(step), round(MISSED_INTERVALS * interval))
