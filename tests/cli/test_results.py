@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import shutil
 import stat
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -14,6 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from dogbot_logtool.report.page.assets import shared_name
+from tests.forked_cli import run
 from tests.measured import walk_of
 from tests.oracles.annotated_file import read_written
 from tests.oracles.small_logs import first_seconds, odometry_log
@@ -184,6 +186,24 @@ def test_pages_go_into_a_directory(shell: Shell, logs: Path, name: str) -> None:
     pages = ["one.report.html", "two.report.html"][: len(words)]
     beside = [shared_name(), "index.html"] if len(words) > 1 else []
     assert found == sorted([*beside, *pages])
+
+
+def test_the_index_leads_to_pages_of_any_name(tmp_path: Path) -> None:
+    """Names may be any bytes; a log that cannot be used stands in the index with the reason."""
+    shutil.copy(TROUBLED, Path(os.fsdecode(bytes(tmp_path) + b"/<\xff>.bag")))
+    (tmp_path / "bad.bag").write_bytes(b"nothing of the kind")
+    done = run("report", ".", "--no-replay", folder=tmp_path)
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+    index = (tmp_path / "index.html").read_text()
+    page = (tmp_path / os.fsdecode(b"<\xff>.report.html")).read_text()
+    assert f'<script src="{shared_name()}">' in page
+    assert '<a href="index.html">' in page
+    assert len(page) < 1_000_000
+    assert "<canvas" not in page
+    assert '<a href="%3C%FF%3E.report.html">&lt;\\xff&gt;.bag</a>' in index
+    assert '<th scope="row">bad.bag</th>' in index
+    assert "is neither a ROS 1 bag" in index
 
 
 def test_overwriting_keeps_what_kind_of_file_there_was(shell: Shell, logs: Path) -> None:
