@@ -24,22 +24,19 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.modes import ALTERNATE, CONSTANT, NOISY, WIDE
 from dogbot_logtool.core.corrections.sensor import (
+    ANY_FORCE_N,
+    DEBOUNCE_S,
     SURE,
+    ContactRule,
     SensorLevel,
+    Thresholds,
     estimate_level,
     load_axis,
     refuted_level,
     without_spikes,
     zero_level,
 )
-from dogbot_logtool.core.settings import (
-    ANY_FORCE_N,
-    DEBOUNCE_S,
-    ContactRule,
-    FootSettings,
-    Thresholds,
-    WalkSettings,
-)
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""

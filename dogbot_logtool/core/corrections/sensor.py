@@ -7,7 +7,7 @@ The level is that of the swings around each moment, so that it may drift, or be 
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -140,6 +140,37 @@ class SensorLevel:
         since = (log_time - self.knots[0]).astype(np.float64)
         knots = (self.knots - self.knots[0]).astype(np.float64)
         return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
+
+
+ANY_FORCE_N: Final = 1e-9
+"""Threshold where no force was ever seen, so that nothing tells what a load is."""
+DEBOUNCE_S: Final = 0.020
+
+
+class ContactRule(NamedTuple):
+    """The thresholds of contact."""
+
+    on_n: float
+    """N: |F| from which a foot is in contact."""
+    off_n: float
+    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
+    debounce_s: float
+    """s: shorter swings are filled, then shorter stances dropped."""
+    origin: Origin = "default"
+    """The origin of the thresholds."""
+    by_flag: bool = False
+    """Whether the message's own contact flag decides, whatever the force."""
+    unusable: str = ""
+    """Why the sensor cannot tell contact; empty: it can."""
+
+
+class Thresholds(NamedTuple):
+    """The settings of contact by a user or the robot's file; None: not given."""
+
+    on_n: float | None = None
+    off_n: float | None = None
+    debounce_s: float | None = None
+    origin: Origin = "option"
 
 
 def estimate_level(
