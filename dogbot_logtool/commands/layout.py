@@ -13,7 +13,7 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.beside import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
-from dogbot_logtool.core.prepared import LARGEST
+from dogbot_logtool.core.recording import LARGEST
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import damage_of
@@ -21,7 +21,7 @@ from dogbot_logtool.report.layouts import View, upper_bound
 from dogbot_logtool.robot.feet import assign_feet
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.robot import Robot, load_robot, with_settings
-from dogbot_logtool.robot.robot_model.skeleton import body_size_m, robot_shape
+from dogbot_logtool.robot.robot_model.drawing import body_size_m, robot_shape
 
 _NEARLY_ALL: Final = 0.995
 """Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""

@@ -84,16 +84,13 @@ def _annotations_between(scene: Scene, start: int, end: int) -> tuple[list[Drawn
     drawn += [foot_loads(*each, scene.walk.settings.body_weight_n) for each in feet]
     drawn += [foot_labels(*each) for each in forced]
     poses = within(scene.poses, scene.poses.log_time)
-    # Before the feet are known, what they do at once.
-    states = replace(poses, log_time=np.maximum(poses.log_time, scene.known_from))
     if scene.wanted.has_support:
         com_offset_m = scene.selection.robot.com_offset_m or (0, 0, 0)
-        support = support_scene(states, scene.feet, com_offset_m)
+        support = support_scene(poses, scene.feet, com_offset_m)
         counts += Counter(support_unknown=support.unknown, support_unweighed=support.unweighed)
-        drawn.append(replace(support, log_time=poses.log_time, stamp=poses.time))
+        drawn.append(support)
     if scene.description.hips is not None:
-        lines = leg_lines(states, scene.feet, scene.description.hips)
-        drawn.append(replace(lines, log_time=poses.log_time, stamp=poses.time))
+        drawn.append(leg_lines(poses, scene.feet, scene.description.hips))
     return drawn, counts
 
 
@@ -121,8 +118,8 @@ def _event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRe
     gaits = gait_changes(walk.segments, walk.feet)
     states = (made(described.gait(*each)) for each in gaits)
     yield of_payloads(channels[GAIT_TOPIC], states, log_time([time for time, _ in gaits]))
-    onsets = ((walk.origin + round(each.onset_s * 1e9), each) for each in with_steps(walk.metrics))
-    events = list(onsets)
+    found = with_steps(walk.metrics)
+    events = [(walk.origin + round(each.onset_s * 1e9), each) for each in found]
     event_time = log_time([time for time, _ in events])
     logged = (made(described.event(*each)) for each in events)
     yield of_payloads(channels[EVENTS_TOPIC], logged, event_time)

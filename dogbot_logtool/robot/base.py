@@ -18,7 +18,13 @@ from dogbot_logtool.reader.messages.others import is_static
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics import first_messages, message_count, require_topic, split_topic
+from dogbot_logtool.robot.topics import (
+    first_messages,
+    message_count,
+    readable_source,
+    require_topic,
+    split_topic,
+)
 from dogbot_logtool.robot.words import VOCABULARY, texts_of, word_set
 
 _MOST_OFFERED: Final = 3
@@ -155,13 +161,11 @@ def _named(log: Log, robot: Robot, name: str) -> _Candidate:
     source = next(iter(sources.values()))
     if not source.row.choose:
         return _Candidate(topic, source, element)
-    every = _settled(_elements_of(log, robot, topic, source), ())
-    element = element.lstrip("/")
+    every, element = _settled(_elements_of(log, robot, topic, source), ()), element.lstrip("/")
+    for each in every:
+        if each.element == element if element else each.rank[0] == _SURE:
+            return each
     known = listed(sorted(each.element for each in every), _MOST_LISTED) or "none"
-    sure = [each for each in every if each.rank[0] == _SURE]
-    fitting = [each for each in every if each.element == element] if element else sure
-    if fitting:
-        return fitting[0]
     if element:
         raise CallError(f"{where} has no {element}; it has {known}")
     raise CallError(
@@ -196,12 +200,11 @@ def _chosen(log: Log, robot: Robot, candidate: _Candidate, findings: list[Findin
 
 def _options(candidates: Sequence[_Candidate]) -> str:
     """Return the words that choose some candidates."""
+    planned = (" (planned)" if each.is_planned else "" for each in candidates)
     words = [
-        f"--odom-topic {each.name}{' (planned)' if each.is_planned else ''}"
-        for each in candidates[:_MOST_OFFERED]
+        f"--odom-topic {each.name}{note}" for each, note in zip(candidates, planned, strict=True)
     ]
-    more = len(candidates) - len(words)
-    return ", ".join(words) + (f" and {more} more" if more else "")
+    return listed(words, _MOST_OFFERED)
 
 
 def _sources_at(channels: Sequence[Channel], element: str) -> tuple[dict[Channel, Source], str]:
@@ -227,8 +230,8 @@ def _candidates(log: Log, robot: Robot, feet: Collection[str]) -> Iterator[_Cand
     """Yield the poses that may be the base's, those of better types first."""
     by_type: dict[str, dict[str, Source]] = {name: {} for name in types_of("base")}
     for channel in log.channels.values():
-        source = source_of(channel, "base")
-        if source is not None and not source.fault and not is_static(channel):
+        source = readable_source(channel, "base")
+        if source and not is_static(channel):
             by_type[source.row.name].setdefault(channel.topic, source)
     for sources in by_type.values():
         of_type: list[_Candidate] = []

@@ -24,6 +24,7 @@ from dogbot_logtool.robot.topics import (
     is_planned,
     message_count,
     most_frequent,
+    readable_source,
     readable_topics,
     require_topic,
     sources_of,
@@ -228,8 +229,7 @@ def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
     """
     groups: dict[tuple[int, str], tuple[Source, set[str]]] = {}
     for channel in log.channels.values():
-        source = source_of(channel, "feet")
-        if source is not None and not source.fault:
+        if source := readable_source(channel, "feet"):
             named = source.tells_all_feet and is_named_as_planned(channel.topic)
             key = source.row.is_planned(channel.topic) + named, source.row.name
             groups.setdefault(key, (source, set()))[1].add(channel.topic)
@@ -282,10 +282,8 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
 def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
     """Return the feet that a topic's messages tell of; none where they are not about feet."""
     for channel in log.channels_by_topic.get(topic, ()):
-        source = source_of(channel, "feet")
-        if source is None or source.fault or not source.tells_all_feet:
-            continue
-        if found := _feet_told(log, channel, source):
+        source = readable_source(channel, "feet")
+        if source and source.tells_all_feet and (found := _feet_told(log, channel, source)):
             return _named_feet(found, topic)
     return ()
 

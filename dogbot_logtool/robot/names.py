@@ -17,7 +17,6 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 """
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -61,9 +60,8 @@ class FootSet(NamedTuple):
     feet: tuple[Foot, ...]
     """In the order front to back, left before right, or of their numbers."""
     kind: str
-    """``corners``, ``sides`` or ``numbers``, as names differ; ``alone``: they are no siblings;
-    of fields also ``one word``, or ``elements`` of an array or bits, of which messages have fewer.
-    """
+    """``corners``, ``sides`` or ``numbers``, as names differ; of fields also ``one word``, or
+    ``elements`` of an array or bits, of which messages have fewer."""
     part: Part = Part.UNKNOWN
     words: frozenset[str] = frozenset()
     """Words that describe the leg, without those that name it."""
@@ -123,8 +121,6 @@ class FootSet(NamedTuple):
         is_leg, count = self.part >= Part.LEG, len(self.feet)
         if not self.is_usable:
             return False
-        if self.kind == "alone":
-            return count == 1 and contacts_only and bool(self.feet[0].leg_position)
         if self.kind == "numbers":
             return is_leg and count >= _NUMBERED
         if self.kind == "sides":
@@ -163,12 +159,10 @@ def name_feet(
     sets = [one for group in groups.values() for one in _sets(group)]
     possible = [one for one in sets if one.may_be_feet(contacts_only=contacts_only)]
     possible.sort(key=lambda one: (one.rank, -len(one.feet)))
-    rest = names.keys() - {topic for one in sets for topic in one.topics}
-    ranked = [*possible, *_alone(sorted(rest), contacts_only=contacts_only)]
-    clear = [one for one in ranked if one.is_clear(contacts_only=contacts_only)]
+    clear = [one for one in possible if one.is_clear(contacts_only=contacts_only)]
     is_best = len(clear) == 1 or (clear and clear[0].rank < clear[1].rank)
     chosen = clear[0] if is_best else None
-    return chosen, tuple(one for one in ranked if one is not chosen)
+    return chosen, tuple(one for one in possible if one is not chosen)
 
 
 # --- siblings ------------------------------------------------------------------------------------
@@ -415,27 +409,6 @@ def _sanitised(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "foot"
 
 
-def _alone(topics: Iterable[str], *, contacts_only: bool) -> Iterator[FootSet]:
-    """Yield topics without siblings that may be feet, as one set to offer."""
-    names = {t: foot_name(t) for t in topics if _may_be_foot(t, contacts_only=contacts_only)}
-    counts = Counter(names.values())
-    feet: dict[str, Foot] = {}
-    for topic, name in names.items():
-        own = name if counts[name] == 1 else _sanitised(topic)
-        feet[own] = Foot(own, topic, leg_position=leg_position(name))
-    if feet:
-        yield FootSet(tuple(feet.values())[:_MOST_LEGS], "alone")
-
-
-def _may_be_foot(topic: str, *, contacts_only: bool) -> bool:
-    """Tell whether a single topic may be a foot's."""
-    words = words_of(topic)
-    parts = {word.part for word in words}
-    if Part.FOOT in parts or Part.NOT_A_FOOT in parts:
-        return Part.FOOT in parts
-    return contacts_only or (Part.LEG in parts and any(word.is_position for word in words))
-
-
 def label_names(labels: Sequence[str]) -> list[Foot]:
     """Return feet that messages call by labels, in their order; ``topic`` is the label.
 
@@ -444,7 +417,7 @@ def label_names(labels: Sequence[str]) -> list[Foot]:
     """
     chosen, others = name_feet(labels, contacts_only=True)
     for together in (chosen, *others):
-        if together and together.kind != "alone" and together.topics == set(labels):
+        if together and together.topics == set(labels):
             by_label = {foot.topic: foot for foot in together.feet}
             return [by_label[label] for label in labels]
     return [Foot(foot_name(label), label, leg_position=leg_position(label)) for label in labels]

@@ -18,7 +18,7 @@ from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPE
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.topics import is_planned, is_readable
+from dogbot_logtool.robot.topics import is_planned, readable_source
 
 _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
@@ -110,7 +110,7 @@ def unreadable_findings(
                 is_error = channel.type_name == ODOMETRY_TYPE and not odometry
             lost.setdefault((is_error, source.fault), set()).add(channel.topic)
         is_known = channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
-        if not is_known and not is_readable(channel, "base"):
+        if not is_known and not readable_source(channel, "base"):
             unknown[channel.topic] = channel.message_encoding or "nothing"
     for (is_error, reason), topics in sorted(lost.items()):
         yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))

@@ -36,7 +36,7 @@ from dogbot_logtool.robot.robot import (
 )
 from dogbot_logtool.robot.topics import (
     has_field,
-    is_readable,
+    readable_source,
     readable_topics,
     split_topic,
 )
@@ -147,7 +147,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     transforms = [
         channel
         for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
-        if channel.type_name in TRANSFORM_TYPES and is_readable(channel, "base")
+        if channel.type_name in TRANSFORM_TYPES and readable_source(channel, "base")
     ]
     findings += contact_findings(feet_of, chosen.robot)
     findings += unreadable_findings(log, chosen.channels, [*feet_of])
@@ -186,7 +186,7 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
 def _usable_topics(log: Log) -> frozenset[str]:
     """Return the topics with odometry or contacts: a name alone makes no robot known."""
     odometry = (c for c in log.channels.values() if c.type_name == ODOMETRY_TYPE)
-    readable = (channel.topic for channel in odometry if is_readable(channel, "base"))
+    readable = (channel.topic for channel in odometry if readable_source(channel, "base"))
     return frozenset((*readable_topics(log, "feet"), *readable))
 
 

@@ -1,6 +1,5 @@
 """Topics of a log by the names that users write, and those that are used beside feet and base."""
 
-import re
 from collections.abc import Container, Iterable, Iterator
 from itertools import islice
 from typing import Final
@@ -58,16 +57,16 @@ def most_frequent(log: Log, topics: Iterable[str]) -> str:
     return max(topics, key=lambda topic: (message_count(log, topic), -len(topic), topic))
 
 
-def is_readable(channel: Channel, part: Part) -> bool:
-    """Tell whether a part of a channel's messages is told and can be decoded."""
+def readable_source(channel: Channel, part: Part) -> Source | None:
+    """Return how a part of a channel's messages is read; None: it is not told, or faulty."""
     source = source_of(channel, part)
-    return source is not None and not source.fault
+    return None if source is None or source.fault else source
 
 
 def sources_of(log: Log, topic: str, part: Part) -> list[Source]:
     """Return how a part of a topic's messages is read; faulty ones are left out."""
-    sources = [source_of(channel, part) for channel in log.channels_by_topic.get(topic, ())]
-    return [source for source in sources if source and not source.fault]
+    channels = log.channels_by_topic.get(topic, ())
+    return [source for channel in channels if (source := readable_source(channel, part))]
 
 
 def readable_topics(log: Log, part: Part) -> list[str]:
@@ -104,12 +103,8 @@ def split_topic(name: str, topics: Container[str]) -> tuple[str, str]:
         name: what the user wrote.
         topics: those of the log, whose names may have colons.
     """
-    if name in topics:
-        return name, ""
-    colons = [match.start() for match in re.finditer(":", name)]
-    known = (colon for colon in colons if name[:colon] in topics)
-    colon = next(known, colons[0] if colons else len(name))
-    return name[:colon], name[colon + 1 :]
+    topic, _, field = name.partition(":")
+    return (name, "") if name in topics else (topic, field)
 
 
 def require_topic(
@@ -166,7 +161,7 @@ def joint_channels(log: Log) -> list[Channel]:
     found = [
         channel
         for channel in log.channels.values()
-        if is_readable(channel, "joints") and log.counts.get(channel.id, 1)
+        if readable_source(channel, "joints") and log.counts.get(channel.id, 1)
         if not any(word in channel.topic.lower() for word in _NO_STATES)
     ]
     found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
@@ -234,6 +229,6 @@ def _inertial_rank(topic: str) -> int | None:
 
 def _wanted(log: Log, topic: str, part: Part) -> WantedVectors:
     """Return the channels of a topic that can be decoded, all of one type."""
-    readable = [each for each in log.channels_by_topic[topic] if is_readable(each, part)]
+    readable = [each for each in log.channels_by_topic[topic] if readable_source(each, part)]
     best = min((channel.type_name for channel in readable), key=types_of(part).index)
     return WantedVectors(topic, tuple(c for c in readable if c.type_name == best), part)

@@ -176,7 +176,7 @@ def _elements(topic: str, path: str, is_a: str, kinds: _Kinds) -> tuple[Foot, ..
 def _siblings(fields: Mapping[str, Foot]) -> Iterator[FootSet]:
     """Yield fields of which each may be a foot: by their names' legs, else by any one word."""
     chosen, others = name_feet(fields, contacts_only=True)
-    sets = [one for one in (chosen, *others) if one and one.kind != "alone"]
+    sets = [one for one in (chosen, *others) if one]
     for one in sets:
         told = [(foot, fields[foot.topic]) for foot in one.feet]
         feet = [replace(foot, topic=own.topic, field=own.field) for foot, own in told]

@@ -70,36 +70,29 @@ class McapWriter:
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Write a metadata record with its keys in order."""
         metadata = records.Metadata(name, dict(sorted(values.items())))
-        self.copy_metadata(_serialise(metadata), metadata)
+        self.copy_extra(_serialise(metadata), metadata)
 
-    def copy_metadata(self, record: bytes, metadata: records.Metadata) -> None:
-        """Write a whole metadata record as it was recorded.
+    def copy_extra(self, record: bytes, extra: records.Attachment | records.Metadata) -> None:
+        """Write a whole attachment or metadata record as it was recorded.
 
         Args:
             record: its bytes.
-            metadata: the same, decoded.
+            extra: the same, decoded.
         """
-        index = records.MetadataIndex(self._offset, len(record), metadata.name)
+        offset, length = self._offset, len(record)
         self._write(record)
-        self._keep(index)
-
-    def copy_attachment(self, record: bytes, attachment: records.Attachment) -> None:
-        """Write a whole attachment record as it was recorded.
-
-        Args:
-            record: its bytes.
-            attachment: the same, decoded.
-        """
+        if isinstance(extra, records.Metadata):
+            self._keep(records.MetadataIndex(offset, length, extra.name))
+            return
         index = records.AttachmentIndex(
-            offset=self._offset,
-            length=len(record),
-            log_time=attachment.log_time,
-            create_time=attachment.create_time,
-            data_size=len(attachment.data),
-            name=attachment.name,
-            media_type=attachment.media_type,
+            offset=offset,
+            length=length,
+            log_time=extra.log_time,
+            create_time=extra.create_time,
+            data_size=len(extra.data),
+            name=extra.name,
+            media_type=extra.media_type,
         )
-        self._write(record)
         self._keep(index)
 
     def finish(self) -> None:

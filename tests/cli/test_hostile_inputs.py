@@ -8,7 +8,6 @@ import os
 import re
 import resource
 import sqlite3
-import struct
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -17,16 +16,15 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
-import zstandard
 
 from dogbot_logtool.robot.robot import load_robot
 from tests.forked_cli import run
 from tests.oracles.recorded import unpacked
-from tests.oracles.walks import Entry, Walk, write_library_mcap
+from tests.oracles.walks import Entry, Walk, write_mcap
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
-from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, small_mcap, text
+from tests.reader.mcap_bytes import MAGIC, channel, file_header, schema, small_mcap
 from tests.shell import Shell
 
 # --- Logs that describe thousands of topics, or whose spans and counts are odd --------------------
@@ -46,18 +44,8 @@ def many_channels(path: Path, count: int) -> None:
 def many_of_a_kind(kind: str, topic: str, path: Path, count: int) -> None:
     walk = Walk(2)
     data = next(entry.data for entry in walk.messages(CONTACTS) if entry.kind == kind)
-    definition = struct.pack("<I", len(walk.definition(kind))) + walk.definition(kind).encode()
-    head = struct.pack("<H", 1) + text(kind) + text("ros2msg")
-    parts = [record(mcap_bytes.SCHEMA, head + definition)]
-    for number in range(1, count + 1):
-        head = struct.pack("<HH", number, 1) + text(f"{topic}{number}") + text("cdr")
-        parts.append(record(mcap_bytes.CHANNEL, head + struct.pack("<I", 0)))
-        parts.append(mcap_bytes.Message(number, number * 1000, data).record())
-    body = b"".join(parts)
-    packed = zstandard.compress(body)
-    head = struct.pack("<QQQI", 1000, 1000 * count, len(body), 0) + text("zstd")
-    chunk = head + struct.pack("<Q", len(packed)) + packed
-    path.write_bytes(MAGIC + file_header() + record(mcap_bytes.CHUNK, chunk))
+    entries = (Entry(f"{topic}{n}", kind, n * 1000, data) for n in range(1, count + 1))
+    write_mcap(path, walk, entries, 1 << 26)
 
 
 def descriptions_between_messages(path: Path, count: int) -> None:
@@ -107,7 +95,7 @@ def entries(kind: str = "") -> list[Entry]:
 
 
 def write(path: Path, rows: Sequence[Entry]) -> None:
-    write_library_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
+    write_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
 
 
 def set_right(path: Path) -> None:

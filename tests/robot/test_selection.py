@@ -1,11 +1,10 @@
 """What is used of each kind of log, and what is offered where nothing surely is.
 
-The table is `selected.toml`; ``python -m tests.robot.test_selection`` writes it anew, to be read.
+The table is `selected.json`; ``python -m tests.robot.test_selection`` writes it anew, to be read.
 """
 
 import json
 import os
-import tomllib
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -21,7 +20,7 @@ from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 from tests.oracles.state_walks import StateWalk
 from tests.paths import ROOT
 
-TABLE = Path(__file__).with_name("selected.toml")
+TABLE = Path(__file__).with_name("selected.json")
 FEET = {f"/a1/{leg}_foot/wrench": WRENCH for leg in ("fl", "fr", "rl", "rr")}
 CORNERS = ("front_left", "front_right", "back_left", "back_right")
 Maker = Callable[[Path], object]
@@ -106,25 +105,19 @@ def test_what_is_used_and_offered(name: str, tmp_path: Path) -> None:
     path = RECORDED.get(name, tmp_path / "recording.mcap")
     if name in MAKERS:
         MAKERS[name](path)
-    assert seen(path) == tomllib.loads(TABLE.read_text(encoding="utf-8"))[name]
+    assert seen(path) == json.loads(TABLE.read_text(encoding="utf-8"))[name]
 
 
 def main() -> None:
     """Write the table."""
-    lines = ["# What is used of each log, and offered. Written by tests/robot/test_selection.py."]
+    table = {}
     with TemporaryDirectory() as folder:
         for name in (*MAKERS, *RECORDED):
             path = RECORDED.get(name, Path(folder) / "recording.mcap")
             if name in MAKERS:
                 MAKERS[name](path)
-            lines += ["", f"[{json.dumps(name)}]"]
-            for key, value in seen(path).items():
-                if isinstance(value, dict):
-                    pairs = (f"{json.dumps(k)} = {json.dumps(v)}" for k, v in value.items())
-                    lines.append(f"{key} = {{{', '.join(pairs)}}}")
-                else:
-                    lines.append(f"{key} = {json.dumps(value)}")
-    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+            table[name] = seen(path)
+    TABLE.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -120,4 +120,7 @@ def others() -> Iterator[Case]:
         yield Case(f"treadmill, {name}, places in the base", walk,
                    (pose.feet_in_base, foot.treadmill), "TREADMILL", "",
                    skip=f"{NO_FORCE}, {tread}")
+    for slope_rad in (0.1, -0.2):
+        yield Case(f"treadmill that leans by {slope_rad} rad", Walk(slope_rad=slope_rad),
+                   (foot.treadmill,), "TREADMILL", skip=tread)
 # fmt: on

@@ -12,11 +12,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 import dogbot_logtool as dl
-from tests.oracles import walks
-from tests.oracles.field_logs import odd_walk
 from tests.truth.free_walker import HEAVY_KG, biped, quadruped
 from tests.truth.parts import urdf
-from tests.truth.physics import ORIGIN_NS, Physics
+from tests.truth.physics import Physics
 from tests.truth.recording import Floats
 from tests.truth.without_sensors import resized, write_log
 
@@ -223,12 +221,6 @@ def test_an_inertial_unit_is_turned_as_the_description_says(tmp_path: Path) -> N
     assert abs(walk.stats["base"]["roll_rad"]["median"]) < 0.02
 
 
-def test_names_of_joints_may_have_a_namespace(tmp_path: Path) -> None:
-    named = tuple(f"quad/{name.upper()}" for name in robot("trot").joints)
-    walk = measured(tmp_path, replace(robot("trot"), joints=named))
-    assert walk.gait.name == "trot"
-
-
 def test_without_a_description_the_line_to_paste_is_printed(tmp_path: Path) -> None:
     walk = measured(tmp_path, replace(robot("trot"), parts=()))
     assert walk.gait.name is None
@@ -237,18 +229,3 @@ def test_without_a_description_the_line_to_paste_is_printed(tmp_path: Path) -> N
     file = tmp_path / "robot.urdf"
     file.write_text(urdf(robot("trot").parts))
     assert dl.measure(tmp_path / "log.mcap", urdf=file).gait.name == "trot"
-
-
-def test_numbered_fields_get_the_names_of_the_legs_that_bear_the_load(tmp_path: Path) -> None:
-    truth, ros, entries = robot("walk"), odd_walk(), []
-    order, kind = [2, 0, 3, 1], "std_msgs/msg/Float64MultiArray"
-    for at in range(0, len(truth.time), 5):
-        data = ros.bytes_of(kind, ros.make(kind, data=truth.force[at, order, 2]))
-        time = ORIGIN_NS + round(truth.time[at] * 1e9)
-        entries.append(walks.Entry("/feet/forces", kind, time, data))
-    walks.write_mcap(tmp_path / "feet.mcap", ros, entries)
-    log = write_log(tmp_path / "log.mcap", truth)
-    walk = dl.measure([log, tmp_path / "feet.mcap"], join=True)
-    legs = list(walk.stats["feet"])
-    offered = [f"--foot {legs[leg]}='/feet/forces:data[{n}]'" for n, leg in enumerate(order)]
-    assert " ".join(offered) in codes(walk)["FEET_UNSURE"]

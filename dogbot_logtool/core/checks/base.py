@@ -13,6 +13,8 @@ from dogbot_logtool.finding import Finding, Words, found
 
 SIDES_APART_M: Final = 0.02
 """m by which a left foot must be to the right of the right one for that to be said."""
+MOST_TURNED_RAD: Final = np.radians(10.0)
+"""By which the world of contact points may be turned against that of the poses."""
 WALKED_M: Final = 0.5
 """m, way to a side from which its direction means something."""
 
@@ -29,10 +31,23 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
             cases, say = [*cases, "reckoned"], "reckoned"
         elif walk.loses_track:
             cases.append("loses_way")
+        if walk.settings.force_in_world and _headings_differ(walk):
+            cases.append("turned")
         feet, where = [foot.name for foot in walk.feet], "stability"
         yield found("WORLDS_DIFFER", *cases, feet=feet, where=where, say=say, worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
+
+
+def _headings_differ(walk: Walk) -> bool:
+    """Tell whether the robot heads elsewhere by its feet's places than by the poses, or may."""
+    witness, poses = walk.witness, walk.poses
+    if witness is None or not witness.tells_heading:
+        return True
+    time = witness.poses.time
+    heading = np.interp(time - time[0], poses.time - time[0], poses.angles[:, 2])
+    apart = witness.poses.angles[:, 2] - heading - walk.settings.forward_rad
+    return bool(abs(np.angle(np.exp(1j * apart).mean())) > MOST_TURNED_RAD)
 
 
 def falls(walk: Walk) -> Iterator[Finding]:

@@ -42,12 +42,16 @@ SCALES: Final = (0.8, 1.25)
 """Ways by poses over those by a witness that are alike: feet roll and slip."""
 ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
+LEVEL_RAD: Final = 0.03
+"""Of a treadmill, on which a base goes neither up nor down."""
 
 
 def treadmill(walk: Walk) -> Iterator[Finding]:
     """Yield that the ground moves below a base that rests."""
     if walk.ground is not None:
-        yield found("TREADMILL", where="base", speed=walk.ground.speed_mps)
+        level = walk.base is not None and (walk.base.slope_rad or 0.0) < LEVEL_RAD
+        cases = () if level else ("leans",)
+        yield found("TREADMILL", *cases, where="base", speed=walk.ground.speed_mps)
 
 
 def frozen(walk: Walk) -> Iterator[Finding]:

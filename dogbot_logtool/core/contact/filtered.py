@@ -35,7 +35,7 @@ CLEAN: Final = 80.0
 `HALF`."""
 SOFT: Final = 0.015
 """Noise of the forces before the filter, as a share of the range, that is let be."""
-BLUR: Final = 0.25
+BLUR: Final = 0.18
 """Share of a tail's length that the slope of forces may be averaged over."""
 KNOWN: Final = 0.06
 """Standard error of a time constant, as a share of it, up to which the forces before the filter are
@@ -145,8 +145,9 @@ def _rows_below(level: float, tail: Floats, other: Floats) -> float:
 
 
 def _mean(tails: Sequence[Floats]) -> Floats:
-    """Return the mean of tails over their usual length."""
-    usual = int(median_of(np.array([len(each) for each in tails])))
+    """Return the mean of tails over their usual length; noise about `HALF` makes short ones."""
+    rows = np.array([len(each) for each in tails])
+    usual = int(median_of(rows[rows >= rows.max() / 4]))
     return np.asarray(np.mean([each[:usual] for each in tails if len(each) >= usual], axis=0))
 
 

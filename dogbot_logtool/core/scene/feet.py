@@ -106,6 +106,7 @@ class DrawnFoot(NamedTuple):
             nowhere = np.full((len(log_time), 3), np.nan)
             never = np.zeros(len(log_time), np.bool_)
             return FootState(never, never, nowhere, nowhere[:, 0])
+        log_time = self._begun(log_time)
         row = np.searchsorted(samples.log_time, log_time, side="right") - 1
         lasts = ~self.ends[row] | (log_time - samples.log_time[row] <= NEAR_NS)
         known = (row >= 0) & (self.state[row] != LoadState.UNKNOWN) & lasts
@@ -126,10 +127,17 @@ class DrawnFoot(NamedTuple):
         Returns:
             (n, TRAIL, 3) m, newest first; NaN where there were fewer.
         """
+        log_time = self._begun(log_time)
         number = np.searchsorted(self.touchdown, log_time, side="right")[:, None]
         # Row -1 stands for those that there are not.
         last: Floats = self.footfall[np.maximum(number - np.arange(1, TRAIL + 1), -1)]
         return last
+
+    def _begun(self, log_time: Ints) -> Ints:
+        """Return log times with that of the first sample instead of those shortly before it."""
+        first = int(self.samples.log_time[0]) if len(self.samples.log_time) else 0
+        early = (log_time < first) & (first - log_time <= NEAR_NS)
+        return np.where(early, first, log_time)
 
 
 def drawn_foot(

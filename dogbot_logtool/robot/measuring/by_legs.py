@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import permutations
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of, norms
+from dogbot_logtool.core.arrays import Floats, median_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.kinematics import Leg
 from dogbot_logtool.core.legs.estimate import Estimate, estimate, placed_by_legs
@@ -16,23 +15,13 @@ from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
-from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
 from dogbot_logtool.robot.robot_model.legs_of_urdf import axis_by_names, find_legs
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
-from dogbot_logtool.robot.selection import Selection, select_topics
+from dogbot_logtool.robot.selection import Selection
 
 _WORLD: Final = "odom"
-MOST_FEET: Final = 6
-"""Feet whose every order is tried."""
-LIKELY: Final = 0.3
-"""Correlation of load and contact from which a field is a leg's foot."""
-CLEAR: Final = 0.15
-"""By which it must lead before that of any other leg."""
 
 
 def measured_by_legs(
@@ -46,7 +35,6 @@ def measured_by_legs(
         model: the robot's description.
     """
     robot, lacks_feet = model.robot, not selection.contacts
-    recording = _named_as_described(recording, robot) if robot else recording
     if selection.contacts and selection.odometry:
         return recording, selection
     try:
@@ -160,20 +148,6 @@ def _with_points(
     )
 
 
-def _named_as_described(recording: Recording, robot: RobotOfUrdf) -> Recording:
-    """Name joints as the description does, where none is, but for namespaces and capitals."""
-    described = {joint.name.lower(): joint.name for joint in robot.joints if joint.kind != "fixed"}
-    recorded = [name for table in recording.joints for name in table.names]
-    short = {name: name.replace(":", "/").rpartition("/")[2].lower() for name in recorded}
-    if not set(described.values()).isdisjoint(recorded) or len(set(short.values())) < len(short):
-        return recording
-    tables = (
-        table._replace(names=tuple(described.get(short[name], name) for name in table.names))
-        for table in recording.joints
-    )
-    return replace(recording, joints=tuple(tables))
-
-
 def _is_settled(finding: Finding, recording: Recording) -> bool:
     """Tell whether a finding is about feet that are known now, or takes joints for feet."""
     joints = (f"{table.topic}:" in finding.text for table in recording.joints)
@@ -213,56 +187,3 @@ def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iter
         yield found("JOINT_VALUES", "efforts", where="legs.absolute_work_j", why=why)
     if why.startswith(WRONG_SIGN):
         yield Finding("EFFORT_SIGN", why, "legs.positive_work_j", feet=names)
-
-
-def named_by_legs(
-    log: Log, options: MeasureOptions, selection: Selection, legs: Sequence[Samples]
-) -> FootSet | None:
-    """Name fields that may be feet by the legs that stand while they are loaded.
-
-    Args:
-        log: the log.
-        options: of the call.
-        selection: with the fields that may be feet, and the feet that legs tell.
-        legs: contacts of these feet.
-
-    Returns:
-        None where no fields may be feet, they have names, or no order of them fits the legs.
-    """
-    offered = next(iter(selection.possible_feet), None)
-    if offered is None or len(offered.feet) != len(legs) or len(legs) > MOST_FEET:
-        return None
-    # Joints' own efforts, by which legs have told contacts, are no sensors of feet.
-    is_joint = offered.feet[0].topic == selection.robot.feet[0].topic
-    if is_joint or any(foot.leg_position for foot in offered.feet):
-        return None
-    chosen = select_topics(log, replace(options, foot=None, feet=offered.feet))
-    fields = read_recording(log, chosen.wanted(), 1).recording.feet
-    time = legs[0].log_time
-    loads = np.stack([_load_at(each, time) for each in fields])
-    down = np.stack([each.in_contact for each in legs])
-    # While all stand, or none, nothing is told apart.
-    steps = down.any(axis=0) & ~down.all(axis=0) & np.isfinite(loads).all(axis=0)
-    likeness = np.corrcoef(loads[:, steps], down[:, steps])[: len(fields), len(fields) :]
-    rows = range(len(legs))
-    order = max(permutations(rows), key=lambda order: likeness[rows, order].sum())
-    own = likeness[rows, order]
-    if not (own >= LIKELY).all():
-        return None
-    named = [selection.robot.feet[row] for row in order]
-    feet = tuple(
-        replace(field, name=leg.name, leg_position=leg.leg_position)
-        for field, leg in zip(offered.feet, named, strict=True)
-    )
-    reason = "each is loaded while the leg of its name stands, by the joints"
-    if (np.sort(likeness, axis=1)[:, -2] > own - CLEAR).any():
-        reason += "; some legs move too much alike to be told apart surely"
-    return offered._replace(feet=feet, marks=(*offered.marks, (0, reason)))
-
-
-def _load_at(samples: Samples, time: Ints) -> Floats:
-    known = np.flatnonzero(all_finite(samples.force))
-    if not len(known):
-        return np.full(len(time), np.nan)
-    load = norms(samples.force[known]) if samples.force.any() else samples.in_contact[known]
-    return np.asarray(np.interp(time - time[0], samples.log_time[known] - time[0], load))

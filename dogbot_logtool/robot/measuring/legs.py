@@ -1,20 +1,22 @@
 """Which of a log's messages tell of its legs, joints and frames, and where feet are."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
 
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
-from dogbot_logtool.core.known_frames import KnownFrames
+from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.legs.joints import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import leg_of
-from dogbot_logtool.robot.robot_model.skeleton import leg_chains, named_frames
+from dogbot_logtool.robot.names import leg_of, name_feet
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text
 from dogbot_logtool.robot.selection import Selection
-from dogbot_logtool.robot.words import ENDS, Part, parts_of, words_of
+from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
+
+_ORIGIN: Final = (0.0, 0.0, 0.0)
 
 
 def find_legs(
@@ -144,3 +146,66 @@ def sensor_points(
             frame = named.get(foot, frame)
         points[foot] = FramePoint(frame, described.contact_point_m) if frame else None
     return points
+
+
+# --- the frames of feet ---
+
+
+def leg_chains(
+    selection: Selection, probe: KnownFrames, parents: Mapping[str, str]
+) -> list[LegChain | None]:
+    """Return how feet hang on the base by the parents of frames.
+
+    Each does by its own frame, or by one that is named so.
+    """
+    feet, chains = selection.robot.feet, list[LegChain | None]()
+    named = named_frames(feet, parents)
+    for number, foot in enumerate(feet):
+        frame, point = _place_of_foot(selection, probe, number) or (None, None)
+        if frame and point:
+            places = [(frame, point, foot.frame is None or any(point))]
+        else:
+            places = [(each, _ORIGIN, False) for each in (named.get(number), frame) if each]
+        found = (
+            LegChain(frames, probe.base.lstrip("/"), point, touches)
+            for frame, point, touches in places
+            if (frames := chain_of_frames(parents, frame, probe.base))
+        )
+        chains.append(next(found, None))
+    return chains
+
+
+def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
+    """Return the frame of each foot among frames that are named like the feet of all legs.
+
+    A frame of the sole comes before others, which may as well be at the ankle or the knee.
+    """
+    names = list(frames)
+    soles = [name for name in names if texts_of(name) & SOLES]
+    found, _ = name_feet(soles, contacts_only=False)
+    found = found or name_feet(names, contacts_only=False)[0]
+    if found is None or found.part is not Part.FOOT:
+        return {}
+    named = {each.leg_position or each.name: each.topic for each in found.feet}
+    keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
+    return {number: named[key] for number, key in enumerate(keys) if key in named}
+
+
+def _place_of_foot(
+    selection: Selection, probe: KnownFrames, number: int
+) -> tuple[str, Point | None] | None:
+    """Return the frame of a foot and where it touches, m in that frame; None: not known.
+
+    By the robot's file, else by the link of its contacts. A foot that reports no contact is on a
+    link that is named as another foot's, but for the foot's name, and is made like that one.
+    """
+    foot = selection.robot.feet[number]
+    names = [each.name for each in selection.robot.feet]
+    if foot.frame is not None:
+        return foot.frame.lstrip("/"), foot.contact_point_m
+    for like, link in sorted(enumerate(probe.links), key=lambda each: each[0] != number):
+        if link is not None and (like == number or names[like] in link):
+            named = link.lstrip("/").replace(names[like], foot.name)
+            if like == number or named in probe.parents:
+                return named, probe.soles.get(number, probe.soles.get(like))
+    return None

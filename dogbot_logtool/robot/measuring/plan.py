@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from dogbot_logtool.core.analysis import FindLegs
 from dogbot_logtool.core.base.poses import scaled
-from dogbot_logtool.core.contact.contact_rule import Thresholds
-from dogbot_logtool.core.corrected import Corrected
+from dogbot_logtool.core.corrected import Corrected, on_one_clock, poses_of_base
 from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.sensor import Thresholds
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.prepared import on_one_clock, poses_of_base
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError
@@ -20,7 +19,7 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
-from dogbot_logtool.robot.offers import call_of, nothing_to_do, offer_finding
+from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.topics import joint_channels, side_topics
@@ -193,17 +192,12 @@ def prepare(
         from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
             facing,
             measured_by_legs,
-            named_by_legs,
         )
         from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot
         recording, selection = measured_by_legs(recording, selection, found)
-        if named := named_by_legs(log, options, selection, recording.feet):
-            others = (each for each in selection.findings if each.code != "FEET_UNSURE")
-            offer = offer_finding(log, [named], call_of(log, options, ""), "")
-            selection = selection._replace(findings=(*others, offer))
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
     start, end = wanted.limits

@@ -19,8 +19,7 @@ from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.messages.messages import definition_of
-from dogbot_logtool.robot.robot_model.primitives import primitive_urdf
-from dogbot_logtool.robot.robot_model.skeleton import robot_shape, skeleton
+from dogbot_logtool.robot.robot_model.drawing import primitive_urdf, robot_shape, skeleton
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text, parse_urdf, read_robot
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.topics import first_messages
