@@ -143,21 +143,16 @@ def without_offset(samples: Samples, foot: FootSettings) -> Samples:
         foot: with its sensor.
     """
     level = foot.level
-    if not len(samples.log_time):
-        return samples
-    reads_offset = bool(level.offset.any()) or not foot.lists_contacts
-    if not (reads_offset or level.drops_out):
+    if foot.lists_contacts and not level.offset.any():
         return samples
     force = samples.force.copy()
-    recorded_zero = (force == 0.0).all(axis=1)
-    if reads_offset:
-        force -= level.offset_at(samples.log_time)
-        if foot.only_presses:
-            force = np.where(force < 0.0, 0.0, force)
-        # A force that is not a number is below no threshold.
-        force[norms(force) < foot.rule.off_n] = 0.0
+    force -= level.offset_at(samples.log_time)
+    if foot.only_presses:
+        force = np.where(force < 0.0, 0.0, force)
+    # A force that is not a number is below no threshold.
+    force[norms(force) < foot.rule.off_n] = 0.0
     if level.drops_out:
-        force[recorded_zero] = np.nan
+        force[(samples.force == 0.0).all(axis=1)] = np.nan
     touches = (force != 0.0).any(axis=1)
     if foot.lists_contacts:
         touches &= samples.in_contact
