@@ -205,7 +205,7 @@ def _asymmetry(settings: LegSettings, ranges: Mapping[str, float]) -> dict[str, 
 
 
 def _cost(walk: Walk, absolute_j: Floats) -> float | None:
-    """Return absolute work / (weight x distance), over the reference foot's strides that have both."""
+    """Return absolute work / (weight x way), over the reference foot's strides that have both."""
     weight = walk.loads.weight_n
     if weight is None or not walk.feet:
         return None
