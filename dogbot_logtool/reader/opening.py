@@ -11,11 +11,7 @@ from dogbot_logtool.io.storage import Location
 from dogbot_logtool.reader import not_a_log
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.containers.registry import (
-    CONTAINERS,
-    Container,
-    is_zstd,
-)
+from dogbot_logtool.reader.containers.registry import CONTAINERS, Container, is_zstd
 from dogbot_logtool.reader.containers.source import ByteSource
 
 _MAGIC_SIZE: Final = 16
