@@ -107,7 +107,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     telling = [
         foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
     ]
-    records = without_stopped(telling, base)
+    records = without_stopped(telling)
     # Places that the poses have put into the world jump with them.
     placed_by_poses = any(path is not None for path in corrected.places)
     candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
@@ -206,7 +206,7 @@ def _measured(walk: Walk) -> Walk:
     walk = replace(walk, loads=walk.loads_in(), stability=walk.stability_in())
     # Modules of what few logs hold are loaded for those that do.
     if walk.corrected.commands is not None:
-        from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+        from dogbot_logtool.core.following import follow_commands  # noqa: PLC0415
 
         walk = replace(walk, command_track=follow_commands(walk))
     if walk.corrected.inertial is not None:
@@ -218,7 +218,7 @@ def _measured(walk: Walk) -> Walk:
 
 def _with_plan(walk: Walk, planned: Walk) -> Walk:
     """Add how the feet follow their plan, if that is on the same clock."""
-    from dogbot_logtool.core.planned import follow_plan  # noqa: PLC0415 - few logs hold a plan
+    from dogbot_logtool.core.following import follow_plan  # noqa: PLC0415 - few logs hold a plan
 
     clocks = [each.settings.clock for each in (walk, planned)]
     plan = {foot.name: foot for foot in planned.feet}

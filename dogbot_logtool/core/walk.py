@@ -30,8 +30,7 @@ from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import LegFigures
-    from dogbot_logtool.core.planned import PlannedFoot
-    from dogbot_logtool.core.vectors import CommandTrack, ImuComparison
+    from dogbot_logtool.core.vectors import CommandTrack, ImuComparison, PlannedFoot
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -20,7 +20,7 @@ import pytest
 from dogbot_logtool.robot.robot import load_robot
 from tests.forked_cli import run
 from tests.oracles.recorded import unpacked
-from tests.oracles.walks import Entry, Walk, write_library_mcap
+from tests.oracles.walks import Entry, Walk, write_mcap
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
@@ -45,7 +45,7 @@ def many_of_a_kind(kind: str, topic: str, path: Path, count: int) -> None:
     walk = Walk(2)
     data = next(entry.data for entry in walk.messages(CONTACTS) if entry.kind == kind)
     entries = (Entry(f"{topic}{n}", kind, n * 1000, data) for n in range(1, count + 1))
-    write_library_mcap(path, walk, entries, 1 << 26)
+    write_mcap(path, walk, entries, 1 << 26)
 
 
 def descriptions_between_messages(path: Path, count: int) -> None:
@@ -95,7 +95,7 @@ def entries(kind: str = "") -> list[Entry]:
 
 
 def write(path: Path, rows: Sequence[Entry]) -> None:
-    write_library_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
+    write_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
 
 
 def set_right(path: Path) -> None:

@@ -29,9 +29,9 @@ from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
 from tests.paths import ROOT, TROT
 from tests.truth import physics
 from tests.truth.free_walker import trot
-from tests.truth.margins import hull, margin
 from tests.truth.parts import urdf
 from tests.truth.physics import KEPT_S
+from tests.truth.recording import hull, margin
 
 # --- Support --------------------------------------------------------------------------------------
 

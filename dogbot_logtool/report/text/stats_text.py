@@ -52,7 +52,6 @@ _WIDE: Final = 100
 _SUBJECT: Final = 15
 """Columns of a subject's name and the blanks behind it."""
 _COLOURS: Final = {"OK": "bold green", "USABLE": "bold yellow"}
-_AXES: Final = ("m/s forward", "m/s to the left", "rad/s")
 _ESTIMATED: Final = "All of this table is estimated from the joints; see docs/validation.md."
 _COLUMNS: Final[Sequence[Sequence[Column[FootRow]]]] = (
     (Column("contact\n%", lambda row: row.foot.contact_fraction, ".1f", 100.0),),
@@ -107,11 +106,6 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
         if words:
             subject = f"{name:<{_SUBJECT}}", "bold"
             _print(console, HangingIndent(Text.assemble(subject, printable(words)), _SUBJECT))
-    track = measured.walk.command_track
-    for name, drift in track.drifts.items() if verbose and track else ():
-        parts = zip(drift.tolist(), _AXES, strict=True)
-        words = ", ".join(f"{value:+z.3f} {unit}" for value, unit in parts)
-        _print(console, Text(f"{'Drift':<{_SUBJECT}}{name}: {words}"))
     _print_notes(console, measured, verbose=verbose)
 
 
