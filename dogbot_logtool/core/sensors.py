@@ -143,21 +143,16 @@ def without_offset(samples: Samples, foot: FootSettings) -> Samples:
         foot: with its sensor.
     """
     level = foot.level
-    if not len(samples.log_time):
-        return samples
-    reads_offset = bool(level.offset.any()) or not foot.lists_contacts
-    if not (reads_offset or level.drops_out):
+    if foot.lists_contacts and not level.offset.any():
         return samples
     force = samples.force.copy()
-    recorded_zero = (force == 0.0).all(axis=1)
-    if reads_offset:
-        force -= level.offset_at(samples.log_time)
-        if foot.only_presses:
-            force = np.where(force < 0.0, 0.0, force)
-        # A force that is not a number is below no threshold.
-        force[norms(force) < foot.rule.off_n] = 0.0
+    force -= level.offset_at(samples.log_time)
+    if foot.only_presses:
+        force = np.where(force < 0.0, 0.0, force)
+    # A force that is not a number is below no threshold.
+    force[norms(force) < foot.rule.off_n] = 0.0
     if level.drops_out:
-        force[recorded_zero] = np.nan
+        force[(samples.force == 0.0).all(axis=1)] = np.nan
     touches = (force != 0.0).any(axis=1)
     if foot.lists_contacts:
         touches &= samples.in_contact
@@ -246,6 +241,8 @@ STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
 HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides contact"
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
+BRIEF: Final = 0.0625
+"""Share of a usual swing below which another foot has taken the load for a moment."""
 MOST_DEBOUNCE_S: Final = 10.0
 """No foot steps more slowly: such intervals are those of stamps gone wrong."""
 
@@ -279,6 +276,7 @@ def contact_rule(
     return ContactRule(
         on_n=on,
         off_n=off,
+        brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
         debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),

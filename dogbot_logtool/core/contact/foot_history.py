@@ -168,7 +168,7 @@ def foot_history(
     enough = has_force and len(loaded) >= _STUCK_SAMPLES
     if not rule.by_flag:
         contact = backdated(contact, time, force, rule.off_n)
-    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s)
+    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s, rule.brief_s)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
@@ -341,31 +341,34 @@ def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
     return starts[np.append(True, apart)], ends[np.append(apart, True)]
 
 
-def find_stances(time: Ints, contact: Flags, debounce_s: float) -> tuple[Ints, Ints, int, int]:
+def find_stances(
+    time: Ints, contact: Flags, debounce_s: float, brief_s: float = 0.0
+) -> tuple[Ints, Ints, int, int]:
     """Fill swings that are too short, then drop stances that are.
 
     Args:
         time: (n,) ns, strictly increasing.
         contact: (n,) state of the Schmitt trigger.
         debounce_s: s, below which swings and stances are too short.
+        brief_s: s, below which swings are, too.
 
     Returns:
         (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
-    silent, shortest_ns = silent_before(time), round(debounce_s * 1e9)
+    silent, fill_ns = silent_before(time), round(max(debounce_s, brief_s) * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
     # Of a swing that begins with a silence it is not known that it is short.
-    parts = (time[begins[1:]] - time[breaks[:-1]] >= shortest_ns) | silent[breaks[:-1]]
+    parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
     starts = begins[np.append(True, parts)[:runs]]
     ends = breaks[np.append(parts, True)[:runs]]
     # Where the log ends in a stance, its last sample ends it.
     last = np.minimum(ends, len(time) - 1)
     # Swings that were filled do not count.
     total = np.concatenate([[0], np.cumsum(np.diff(time) * contact[:-1])])
-    brief = (total[last] - total[starts] < shortest_ns) & ~silent[starts]
+    brief = (total[last] - total[starts] < round(debounce_s * 1e9)) & ~silent[starts]
     # A short one at the log's end may be part of a longer one.
     brief &= ends < len(time)
     return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())

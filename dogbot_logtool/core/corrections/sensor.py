@@ -156,6 +156,8 @@ class ContactRule(NamedTuple):
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
+    brief_s: float = 0.0
+    """s: shorter swings are filled, too."""
     origin: Origin = "default"
     """The origin of the thresholds."""
     by_flag: bool = False
