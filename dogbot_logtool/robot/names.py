@@ -28,7 +28,6 @@ from dogbot_logtool.robot.words import (
     ENDS,
     LETTERS,
     MERITS,
-    NEUTRAL,
     ROWS,
     SIDES,
     Part,
@@ -212,15 +211,11 @@ def _as_feet(
     topics = sorted(group, key=lambda topic: legs[topic].order)
     words, slots = group[topics[0]], legs[topics[0]].slots
     first = words[slots[0]].segment
-    before = [word for word in words if word.segment == first - 1]
-    # A segment before the leg's describes it only if it says nothing else, as `/foot_sensors/`.
-    telling = all(word.part is not None or word.text in NEUTRAL | MERITS.keys() for word in before)
-    near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - telling]
+    # The segment before that of the leg describes it, too, as `/foot_sensors/` does.
+    near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - 1]
     parts = [word.part for word in near if word.part is not None]
     part = Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN)
-    if any(word.part is Part.NOT_A_FOOT for word in before):
-        part = Part.NOT_A_FOOT
-    elif len(slots) > 1 and kind == "numbers":
+    if len(slots) > 1 and kind == "numbers":
         # The numbers in `foot_l1` may be those of the sensors of one foot.
         inside = {word.part for word in words if word.segment == first}
         part = Part.UNKNOWN if Part.FOOT in inside and Part.LEG not in inside else part
@@ -233,21 +228,15 @@ def _as_feet(
 
 
 def _name_one_foot(words: Words, differ: Sequence[int]) -> bool:
-    """Tell whether words in which siblings agree name one foot: they are its sensors.
-
-    A segment in which none differs must say nothing else: ``left_leg_controller`` names no leg.
-    """
-    for segment in {word.segment for word in words}:
-        inside = [at for at, word in enumerate(words) if word.segment == segment]
-        agreed = [(at, words[at]) for at in inside if at not in differ]
-        named = any(
-            b == a + 1 and ((x.is_leg and y.is_position) or (x.is_position and y.is_leg))
-            for (a, x), (b, y) in pairwise(agreed)
-        )
-        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for _, w in agreed)
-        if named and (len(agreed) < len(inside) or telling):
-            return True
-    return False
+    """Tell whether words in which siblings agree name one foot: they are its sensors."""
+    agreed = pairwise([None if at in differ else word for at, word in enumerate(words)])
+    return any(
+        one.segment == other.segment
+        and {one.part, other.part} & {Part.FOOT}
+        and (one.is_position or other.is_position)
+        for one, other in agreed
+        if one and other
+    )
 
 
 # --- words that are read as a leg ----------------------------------------------------------------
