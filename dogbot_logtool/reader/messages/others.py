@@ -5,13 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    Floats,
-    concatenated,
-    header_time,
-    picked,
-    rows_by_group,
-)
+from dogbot_logtool.core.arrays import Floats, concatenated, header_time, picked, rows_by_group
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel

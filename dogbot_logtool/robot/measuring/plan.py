@@ -25,7 +25,7 @@ from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.topics import joint_channels, side_topics
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.swings import LegSettings
+    from dogbot_logtool.core.legs.joints import LegSettings
     from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
 _OF_ROBOT: Final = (
