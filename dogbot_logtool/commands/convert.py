@@ -4,9 +4,8 @@ from collections import Counter
 from functools import partial
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
-from dogbot_logtool.conversion.annotated_log import AnnotatedLog
-from dogbot_logtool.conversion.copying import channels_left_out, copied_chunks
-from dogbot_logtool.conversion.findings import count_findings
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, channels_left_out, copied_chunks
+from dogbot_logtool.conversion.findings import copy_findings, count_findings
 from dogbot_logtool.conversion.scene import Scene, make_scene
 from dogbot_logtool.core.base.poses import usable_poses
 from dogbot_logtool.core.checks.beside import columns_corrected, frames_known
@@ -23,7 +22,6 @@ from dogbot_logtool.reader.containers.log import (
 )
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.recording import Alongside
-from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.robot.measuring.plan import make_plan as plan_measuring
 from dogbot_logtool.robot.recorded import open_recorded
@@ -35,7 +33,6 @@ def convert(
     target: Location,
     options: ConvertOptions,
     progress: OnProgress | None = None,
-    start: Start | None = None,
 ) -> Conversion:
     """Write the annotated MCAP of a log.
 
@@ -44,7 +41,6 @@ def convert(
         target: the file to write; it appears when it is complete.
         options: what the user asks for.
         progress: called with the bytes done and the bytes in all.
-        start: how processes start; None: as the system and the log allow.
 
     Raises:
         CallError: no such file, a target that may not be written, a topic or time that the log
@@ -70,13 +66,12 @@ def convert(
                 options,
                 _half(progress, 0),
                 alongside=Alongside(copy, output.add) if options.copy else None,
-                start=start,
             )
             walk, read = measured.measurement.walk, measured.read
             scene = make_scene(
                 log, measured.selection, measured.model, walk, options, left_out, read.arrows
             )
-            output.annotate(scene, _half(progress, 1), start)
+            output.annotate(scene, _half(progress, 1))
             losses = _finish(log, output, measured, scene)
     finally:
         log.close()
@@ -90,6 +85,7 @@ def convert(
         *columns_corrected(walk),
         *(each for each in walk.findings if _is_warning(each.code, each.severity)),
         *scene.findings,
+        *copy_findings(log, options, left_out),
         *(found("TOPIC_MOVED", where=name, topic=old, name=name) for old, name in moved.items()),
         *count_findings(walk.recording, counts, scene.style),
     ]

@@ -19,7 +19,6 @@ from dogbot_logtool.reader.containers.log import (
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.part import TimeLimits
 from dogbot_logtool.reader.recording import Alongside, ReadLog, read_recording
-from dogbot_logtool.reader.workers import Start
 from dogbot_logtool.results import Measurement
 from dogbot_logtool.robot.measuring.plan import MeasuringPlan, make_plan, prepare
 from dogbot_logtool.robot.recorded import open_recorded, refuse_empty_span
@@ -78,14 +77,10 @@ def measure_planned(
     plan: MeasuringPlan,
     options: MeasureOptions,
     progress: OnProgress | None = None,
-    *,
     alongside: Alongside | None = None,
-    start: Start | None = None,
 ) -> MeasuredLog:
     """Work out all metrics of an open log by a plan; see `measure` and `read_recording`."""
-    read = read_recording(
-        log, plan.wanted, options.jobs, progress, start=start, alongside=alongside
-    )
+    read = read_recording(log, plan.wanted, options.jobs, progress, alongside=alongside)
     damage = damage_of(log, _losses(log, read, plan.wanted.limits))
     prepared = prepare(log, read.recording, plan, options)
     known = (*prepared.findings, *_order_findings(read.recording.out_of_order))

@@ -1,7 +1,7 @@
 """Findings about an annotated log: what is not copied, what cannot be drawn, and how often."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from fnmatch import fnmatchcase
 from typing import Final
 
@@ -12,8 +12,7 @@ from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.options.convert import ConvertOptions
-from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.source import Source
+from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.robot.selection import Selection
 
 _MOST_FEET: Final = 16
@@ -42,20 +41,18 @@ def second_tf(
 
     The same transform twice is harmless; only another parent breaks the tree.
     """
-
-    def are_copied(channels: Iterable[Channel]) -> bool:
-        return options.copy and any(channel.id not in left_out for channel in channels)
-
-    if not selection.has_base:
+    if not (selection.has_base and options.copy):
         return None
-    world, base = frames.world, frames.base
-    is_transform = selection.base is not None and selection.base.source.is_transform
-    if is_transform and are_copied(selection.odometry):
-        return found("TF_NOT_WRITTEN", base=base, world=world)
-    others = frames.parents.get(base, frozenset()) - {world}
-    if others and are_copied(selection.transforms):
+    transforms, odometry = (
+        [channel for channel in channels if channel.id not in left_out]
+        for channels in (selection.transforms, selection.odometry)
+    )
+    if odometry and selection.base and selection.base.source.is_transform:
+        return found("TF_NOT_WRITTEN", base=frames.base, world=frames.world)
+    others = frames.parents.get(frames.base, frozenset()) - {frames.world}
+    if transforms and others:
         parents = ", ".join(sorted(others))
-        return found("TF_NOT_WRITTEN", "other_parent", base=base, parents=parents)
+        return found("TF_NOT_WRITTEN", "other_parent", base=frames.base, parents=parents)
     return None
 
 
@@ -87,12 +84,21 @@ def arrow_findings(
         settings: of the walk.
         weight_n: N, by which arrows may be coloured; None: not known.
     """
-    yield from _without_points(selection, frames, settings)
+    links, points = (frames.links, frames.points) if frames else ((), ())
+    placed = {row for row, point in enumerate(points) if point}
+    nowhere = [
+        foot.name
+        for row, foot in enumerate(settings.feet)
+        if foot.has_force
+        and row not in placed
+        and any(each.in_base or not each.has_points for each in selection.sources_of(row))
+    ]
+    if nowhere:
+        yield found("NOT_DRAWN", "no_points", names=", ".join(nowhere))
     if style.along_force and not settings.force_in_world:
-        links = frames.links if frames else (None,) * len(settings.feet)
-        pairs = zip(settings.feet, links, strict=True)
-        lacking = [foot.name for foot, link in pairs if link is None]
-        whose = "" if len(lacking) == len(links) else f" of {', '.join(lacking)}"
+        turned = {row for row, link in enumerate(links) if link}
+        lacking = [foot.name for row, foot in enumerate(settings.feet) if row not in turned]
+        whose = f" of {', '.join(lacking)}" if turned else ""
         if lacking:
             yield found("NOT_DRAWN", say="magnitude", whose=whose)
     if style.along_force and not weight_n:
@@ -100,28 +106,6 @@ def arrow_findings(
     for source in selection.sources if style.needs_contact_states else ():
         if source.has_force and not source.has_points:
             yield found("NOT_DRAWN", say="no_states", type=source.row.name, style=style.name)
-
-
-def _without_points(
-    selection: Selection, frames: WorldFrames | None, settings: WalkSettings
-) -> Iterator[Finding]:
-    """Yield findings about sensors with forces but without contact points."""
-    at_frames, nowhere = [], []
-    for number, foot in enumerate(settings.feet):
-        point = frames.points[number] if frames else None
-        sources = selection.sources_of(number)
-        if point is not None and not point.recorded:
-            at_frames.append(f"{foot.name} at {point.frame}")
-        elif point is None and foot.has_force and any(map(_has_no_points, sources)):
-            nowhere.append(foot.name)
-    if at_frames:
-        yield found("TRANSFORMS_MISSING", "none", say="at_frames", feet_at=", ".join(at_frames))
-    if nowhere:
-        yield found("NOT_DRAWN", "no_points", names=", ".join(nowhere))
-
-
-def _has_no_points(source: Source) -> bool:
-    return source.in_base or not source.has_points
 
 
 def count_findings(

@@ -4,15 +4,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final, Literal, NamedTuple
 
-import numpy as np
-
-from dogbot_logtool.conversion.findings import arrow_findings, copy_findings, no_support, second_tf
+from dogbot_logtool.conversion.findings import arrow_findings, no_support, second_tf
 from dogbot_logtool.core.arrays import concatenated, picked
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.checks.beside import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.frames.kinematics import Joint, TransformMessages, from_opening
+from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import WorldFrames
 from dogbot_logtool.core.scene.arrows import (
@@ -23,8 +21,7 @@ from dogbot_logtool.core.scene.arrows import (
     ArrowStyle,
     arrow_scale,
 )
-from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
-from dogbot_logtool.core.scene.loads import opening_load, silences
+from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot, opening_load, silences
 from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
@@ -69,8 +66,6 @@ class Scene(NamedTuple):
     """ns, log time of the output's first message; None: the log is empty."""
     end: int
     """ns, of its last."""
-    known_from: int
-    """ns, log time from which the state of every foot is known, if that is soon."""
     findings: tuple[Finding, ...]
 
 
@@ -107,23 +102,20 @@ def make_scene(
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
     writes_base = selection.has_base and options.tf != "never" and second is None
     description = robot_description(log, selection, model, walk, options)
-    description = description._replace(
-        hips=None if unsupported else description.hips,
-        joints=description.joints if options.tf != "never" else (),
-    )
-    given = selection.robot.newtons_per_metre
-    # A scale of the robot's file has colours of its own.
-    estimated_n = settings.estimated_weight_n if given is None else None
-    colour_n = settings.body_weight_n or estimated_n
+    if unsupported is not None:
+        description = description._replace(hips=None)
+    given, weight_n = selection.robot.newtons_per_metre, settings.body_weight_n
+    weight_n = weight_n or settings.estimated_weight_n
     start, end = time_limits(log, options.start, options.end)
     last, opening = log.end_time or 0, log.start_time if start is None else start
     end, begin = last if end is None else min(end, last), opening or 0
     poses = walk.recording.base.pick(usable_poses(walk.recording.base))
     poses = poses.pick(first_at_each_tick(poses.time, options.tf_rate))
     transforms = [_of_base(poses)] if writes_base else []
-    transforms += _of_links(description.joints, walk, options)
+    if description.joints:
+        moved = moved_links(description.joints, walk.recording.joints[0])
+        transforms.append(picked(moved, first_at_each_tick(moved.stamp, options.tf_rate)))
     loads = [opening_load(foot, settings.body_weight_n, begin) for foot in feet]
-    known_from = _known_from(feet, begin)
     return Scene(
         walk=walk,
         selection=selection,
@@ -141,9 +133,9 @@ def make_scene(
             description=_profile(log, options) if description.urdf is not None else "",
         ),
         description=description,
-        arrow_scale=arrow_scale(given, colour_n, description.height_m, by_weight=style.along_force),
+        arrow_scale=arrow_scale(given, weight_n, description.height_m, by_weight=style.along_force),
         feet=feet,
-        poses=_known_poses(poses, begin, known_from),
+        poses=_opened(poses, begin),
         others=[
             *(from_opening(each, begin) for each in transforms),
             *([recorded] if recorded is not None else []),
@@ -151,11 +143,9 @@ def make_scene(
         ],
         opening=opening,
         end=end,
-        known_from=known_from,
         findings=(
             *([unsupported] if unsupported else []),
-            *arrow_findings(selection, style, placed, settings, colour_n),
-            *copy_findings(log, options, left_out),
+            *arrow_findings(selection, style, placed, settings, weight_n),
             *description.findings,
             *([second] if second else []),
             *sample_findings,
@@ -204,38 +194,15 @@ def _feet(samples: Sequence[Samples], walk: Walk) -> Iterator[DrawnFoot]:
         )
 
 
-def _known_from(feet: Sequence[DrawnFoot], opening: int) -> int:
-    """Return when the state of every foot is known, if that is soon; else the log's first time."""
-    first = [int(foot.samples.log_time[0]) for foot in feet if len(foot.samples.log_time)]
-    latest = max(first, default=opening)
-    return max(opening, latest) if latest - opening <= NEAR_NS else opening
-
-
-def _known_poses(poses: Odometry, opening: int, known_from: int) -> Odometry:
-    """Return the poses at which the state of every foot is known.
-
-    The first stands at the log's first time, too, if it follows at once.
-    """
-    known = poses.pick(poses.log_time >= known_from)
-    if not len(poses.log_time) or poses.log_time[0] - opening > NEAR_NS:
-        return known
-    time = np.array([opening])
-    first = replace(picked(poses, slice(0, 1)), log_time=time, stamp=time)
-    return concatenated([first, known.pick(known.log_time > opening)])
+def _opened(poses: Odometry, opening: int) -> Odometry:
+    """Let the first pose stand at the log's first time if it follows at once."""
+    near = slice(0, int((poses.log_time[:1] - opening <= NEAR_NS).any()))
+    log_time, stamp = poses.log_time.copy(), poses.stamp.copy()
+    log_time[near] = stamp[near] = opening
+    return replace(poses, log_time=log_time, stamp=stamp)
 
 
 def _of_base(poses: Odometry) -> TransformMessages:
     """Return the transforms of the base."""
     place = poses.position[:, None], poses.orientation[:, None]
     return TransformMessages(poses.log_time, poses.time, *place)
-
-
-def _of_links(
-    joints: Sequence[Joint], walk: Walk, options: ConvertOptions
-) -> Iterator[TransformMessages]:
-    """Yield the transforms of the links that joint states move."""
-    tables = walk.recording.joints
-    for table in tables if joints else ():
-        if table.topic == tables[0].topic:
-            links = moved_links(joints, table)
-            yield picked(links, first_at_each_tick(links.stamp, options.tf_rate))

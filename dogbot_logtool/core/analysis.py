@@ -24,8 +24,7 @@ from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
-from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
-from dogbot_logtool.core.gait.support import standing_in, support
+from dogbot_logtool.core.gait.strides import any_strides, standing_in, support, typical_period_s
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.loads import dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Log
@@ -37,7 +36,7 @@ from dogbot_logtool.core.walk_metrics import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.swings import LegSettings
+    from dogbot_logtool.core.legs.joints import LegSettings
 
 NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
 """What was read, for columns that come from no log."""
@@ -107,7 +106,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     telling = [
         foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
     ]
-    records = without_stopped(telling, base)
+    records = without_stopped(telling)
     # Places that the poses have put into the world jump with them.
     placed_by_poses = any(path is not None for path in corrected.places)
     candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
@@ -206,7 +205,7 @@ def _measured(walk: Walk) -> Walk:
     walk = replace(walk, loads=walk.loads_in(), stability=walk.stability_in())
     # Modules of what few logs hold are loaded for those that do.
     if walk.corrected.commands is not None:
-        from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+        from dogbot_logtool.core.following import follow_commands  # noqa: PLC0415
 
         walk = replace(walk, command_track=follow_commands(walk))
     if walk.corrected.inertial is not None:
@@ -218,7 +217,7 @@ def _measured(walk: Walk) -> Walk:
 
 def _with_plan(walk: Walk, planned: Walk) -> Walk:
     """Add how the feet follow their plan, if that is on the same clock."""
-    from dogbot_logtool.core.planned import follow_plan  # noqa: PLC0415 - few logs hold a plan
+    from dogbot_logtool.core.following import follow_plan  # noqa: PLC0415 - few logs hold a plan
 
     clocks = [each.settings.clock for each in (walk, planned)]
     plan = {foot.name: foot for foot in planned.feet}

@@ -26,7 +26,7 @@ from dogbot_logtool.reader.growing import GrowingColumns
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
 from dogbot_logtool.reader.part import ONLY, Key, Part, Wanted, read_part
-from dogbot_logtool.reader.workers import Start, in_order
+from dogbot_logtool.reader.workers import in_order
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.scene.arrows import Arrows
@@ -83,7 +83,6 @@ def read_recording(
     jobs: int,
     progress: Callable[[int, int], None] | None = None,
     spans: Iterable[Span] | None = None,
-    start: Start | None = None,
     alongside: Alongside | None = None,
 ) -> ReadLog:
     """Read a log as columns.
@@ -94,7 +93,6 @@ def read_recording(
         jobs: processes that decode at once.
         progress: called with bytes done and bytes in all.
         spans: some of its chunks; None: all within the limits.
-        start: how processes start; None: as the system and the log allow.
         alongside: what else is done with the messages.
     """
     chosen = list(log.grouped(_chunks(log, wanted)) if spans is None else spans)
@@ -104,7 +102,7 @@ def read_recording(
     joined = _Joined(wanted)
     done, total = 0, sum(chunk.data_size for chunk in log.chunks)
     read = partial(_read, wanted, alongside.work if alongside else None)
-    for span, (part, beside) in zip(chosen, in_order(read, log, chosen, jobs, start), strict=True):
+    for span, (part, beside) in zip(chosen, in_order(read, log, chosen, jobs), strict=True):
         joined.add(part)
         if alongside is not None:
             alongside.take(beside)

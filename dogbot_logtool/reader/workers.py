@@ -46,11 +46,7 @@ def start_method(log: Log) -> Start:
 
 
 def in_order(
-    work: Work[Item, Result],
-    log: Log,
-    items: Sequence[Item],
-    jobs: int,
-    start: Start | None = None,
+    work: Work[Item, Result], log: Log, items: Sequence[Item], jobs: int
 ) -> Generator[Result, None, None]:
     """Yield `work(log, item)` for every item, in order.
 
@@ -59,7 +55,6 @@ def in_order(
         log: forked workers and threads read it as it is, new processes open it again.
         items: one for each call.
         jobs: how many work at once; 1: this thread alone.
-        start: how workers start; None: as `start_method` says.
 
     Raises:
         LogtoolError: a process died.
@@ -71,7 +66,7 @@ def in_order(
     from concurrent.futures import BrokenExecutor  # noqa: PLC0415 - see above
 
     with held_back():
-        pool = _pool(work, log, jobs, start or start_method(log))
+        pool = _pool(work, log, jobs)
         # Few results wait for the one that is next: each may be as large as its item.
         coming = iter(items)
         waiting: deque[Future[Result]] = deque()
@@ -123,10 +118,11 @@ def processes_of(pool: "Executor") -> "list[BaseProcess]":
     return list((getattr(pool, "_processes", None) or {}).values())
 
 
-def _pool(work: Work[Any, Any], log: Log, jobs: int, start: Start) -> "Executor":
+def _pool(work: Work[Any, Any], log: Log, jobs: int) -> "Executor":
     import multiprocessing  # noqa: PLC0415 - see above
     from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor  # noqa: PLC0415
 
+    start = start_method(log)
     if start == "threads":
         return ThreadPoolExecutor(jobs, "part", _begin_thread, (work, log))
     context = multiprocessing.get_context(start)

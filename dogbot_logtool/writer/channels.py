@@ -1,8 +1,6 @@
 """The channels that we add to an output, and their schemas."""
 
 from collections.abc import Collection, Iterator, Mapping
-from itertools import chain
-from types import MappingProxyType
 from typing import Final
 
 from mcap import records
@@ -17,10 +15,9 @@ _MAX_ID: Final = 0xFFFF
 
 def added_channels(
     types: Mapping[str, MessageType],
-    schema_ids: Collection[int] = (),
-    channel_ids: Collection[int] = (),
-    in_use: Mapping[str, tuple[str, str]] = MappingProxyType({}),
-    notes: Mapping[str, str] = MappingProxyType({}),
+    schema_ids: Collection[int],
+    channel_ids: Collection[int],
+    in_use: Mapping[str, tuple[str, str]],
 ) -> tuple[list[records.Schema], dict[str, records.Channel]]:
     """Return the schemas, one for each type of message, and the channels by topic.
 
@@ -31,7 +28,6 @@ def added_channels(
         schema_ids: that the log uses.
         channel_ids: likewise.
         in_use: the log's topics, each with its type, without ``/msg``, and encoding.
-        notes: stand in the metadata of each channel.
 
     Raises:
         LogtoolError: all ids are in use.
@@ -51,7 +47,7 @@ def added_channels(
             id=next(free_channels),
             topic=_free_topic(topic, kind, in_use),
             message_encoding=kind.message_encoding,
-            metadata={**ANNOTATION_MARK, **notes},
+            metadata=ANNOTATION_MARK,
             schema_id=schemas[kind.name].id,
         )
     return list(schemas.values()), channels
@@ -66,13 +62,10 @@ def _free_topic(topic: str, kind: MessageType, in_use: Mapping[str, tuple[str, s
 
 
 def _free_ids(used: Collection[int]) -> Iterator[int]:
-    """Yield unused schema or channel ids: those above the highest first.
+    """Yield unused schema or channel ids.
 
     Raises:
         LogtoolError: all are in use.
     """
-    highest = max(used, default=0)
-    for number in chain(range(highest + 1, _MAX_ID + 1), range(1, highest)):
-        if number not in used:
-            yield number
+    yield from (number for number in range(1, _MAX_ID + 1) if number not in used)
     raise LogtoolError("the log uses all 65535 ids that an MCAP file can have")

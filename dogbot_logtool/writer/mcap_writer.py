@@ -35,13 +35,12 @@ class McapWriter:
         self._times: list[int] = []
         """ns, first and last log time of each chunk with messages."""
         self._write(MAGIC)
-        self._write_record(records.Header(profile, f"dogbot-logtool {__version__}"))
+        self._write(_serialise(records.Header(profile, f"dogbot-logtool {__version__}")))
 
     def add(self, *described: records.Schema | records.Channel) -> None:
         """Write schemas, which must come before their channels, or these before their messages."""
         for record in described:
-            self._keep(record)
-            self._write_record(record)
+            self._write(self._keep(record))
 
     def add_chunk(self, chunk: FinishedChunk) -> None:
         """Write a chunk with its message index."""
@@ -70,41 +69,34 @@ class McapWriter:
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Write a metadata record with its keys in order."""
         metadata = records.Metadata(name, dict(sorted(values.items())))
-        self.copy_metadata(_serialise(metadata), metadata)
+        self.copy_extra(_serialise(metadata), metadata)
 
-    def copy_metadata(self, record: bytes, metadata: records.Metadata) -> None:
-        """Write a whole metadata record as it was recorded.
+    def copy_extra(self, record: bytes, extra: records.Attachment | records.Metadata) -> None:
+        """Write a whole attachment or metadata record as it was recorded.
 
         Args:
             record: its bytes.
-            metadata: the same, decoded.
+            extra: the same, decoded.
         """
-        index = records.MetadataIndex(self._offset, len(record), metadata.name)
+        offset, length = self._offset, len(record)
         self._write(record)
-        self._keep(index)
-
-    def copy_attachment(self, record: bytes, attachment: records.Attachment) -> None:
-        """Write a whole attachment record as it was recorded.
-
-        Args:
-            record: its bytes.
-            attachment: the same, decoded.
-        """
+        if isinstance(extra, records.Metadata):
+            self._keep(records.MetadataIndex(offset, length, extra.name))
+            return
         index = records.AttachmentIndex(
-            offset=self._offset,
-            length=len(record),
-            log_time=attachment.log_time,
-            create_time=attachment.create_time,
-            data_size=len(attachment.data),
-            name=attachment.name,
-            media_type=attachment.media_type,
+            offset=offset,
+            length=length,
+            log_time=extra.log_time,
+            create_time=extra.create_time,
+            data_size=len(extra.data),
+            name=extra.name,
+            media_type=extra.media_type,
         )
-        self._write(record)
         self._keep(index)
 
     def finish(self) -> None:
         """Write the end of the data and the summary."""
-        self._write_record(records.DataEnd(self._crc))
+        self._write(_serialise(records.DataEnd(self._crc)))
         numbers = {opcode: len(group) for opcode, group in self._summary.items()}
         statistics = records.Statistics(
             attachment_count=numbers[Opcode.ATTACHMENT_INDEX],
@@ -137,13 +129,11 @@ class McapWriter:
         self._write(self._crc.to_bytes(4, "little"))
         self._write(MAGIC)
 
-    def _keep(self, record: records.McapRecord) -> None:
-        """Keep a record for the summary, where those of a kind stand together."""
+    def _keep(self, record: records.McapRecord) -> bytes:
+        """Keep a record for the summary, where those of a kind stand together; return its bytes."""
         data = _serialise(record)
         self._summary[data[0]].append(data)
-
-    def _write_record(self, record: records.McapRecord) -> None:
-        self._write(_serialise(record))
+        return data
 
     def _write(self, data: bytes | memoryview) -> None:
         self._file.write(data)

@@ -8,7 +8,6 @@ import os
 import re
 import resource
 import sqlite3
-import struct
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -17,17 +16,17 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
-import zstandard
 
 from dogbot_logtool.robot.robot import load_robot
 from tests.forked_cli import run
 from tests.oracles.recorded import unpacked
-from tests.oracles.walks import Entry, Walk, write_library_mcap
+from tests.oracles.walks import Entry, Walk, write_mcap
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
-from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, small_mcap, text
+from tests.reader.mcap_bytes import MAGIC, channel, file_header, schema, small_mcap
 from tests.shell import Shell
+from tests.torture.commands import COMMANDS
 
 # --- Logs that describe thousands of topics, or whose spans and counts are odd --------------------
 
@@ -46,18 +45,8 @@ def many_channels(path: Path, count: int) -> None:
 def many_of_a_kind(kind: str, topic: str, path: Path, count: int) -> None:
     walk = Walk(2)
     data = next(entry.data for entry in walk.messages(CONTACTS) if entry.kind == kind)
-    definition = struct.pack("<I", len(walk.definition(kind))) + walk.definition(kind).encode()
-    head = struct.pack("<H", 1) + text(kind) + text("ros2msg")
-    parts = [record(mcap_bytes.SCHEMA, head + definition)]
-    for number in range(1, count + 1):
-        head = struct.pack("<HH", number, 1) + text(f"{topic}{number}") + text("cdr")
-        parts.append(record(mcap_bytes.CHANNEL, head + struct.pack("<I", 0)))
-        parts.append(mcap_bytes.Message(number, number * 1000, data).record())
-    body = b"".join(parts)
-    packed = zstandard.compress(body)
-    head = struct.pack("<QQQI", 1000, 1000 * count, len(body), 0) + text("zstd")
-    chunk = head + struct.pack("<Q", len(packed)) + packed
-    path.write_bytes(MAGIC + file_header() + record(mcap_bytes.CHUNK, chunk))
+    entries = (Entry(f"{topic}{n}", kind, n * 1000, data) for n in range(1, count + 1))
+    write_mcap(path, walk, entries, 1 << 26)
 
 
 def descriptions_between_messages(path: Path, count: int) -> None:
@@ -107,7 +96,7 @@ def entries(kind: str = "") -> list[Entry]:
 
 
 def write(path: Path, rows: Sequence[Entry]) -> None:
-    write_library_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
+    write_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
 
 
 def set_right(path: Path) -> None:
@@ -209,10 +198,7 @@ def test_a_byte_order_mark_does_not_matter(tmp_path: Path) -> None:
 # --- Logs of odd spans and counts -----------------------------------------------------------------
 
 TOPICS: Final = ("info --frames log", "stats log", "convert -o out.mcap log", "compare log log")
-EVERY: Final = (
-    *("info log", "stats log --set clock=log", "stats log --json", "report log -o page.html"),
-    *("convert log -o out.mcap", "export log --table events -o events.csv", "check --suggest log"),
-)
+EVERY: Final = tuple(each.format(log="log") for each in COMMANDS[::2])
 LOGS: Final[dict[str, tuple[Callable[..., None], Collection[str], Collection[int], str]]] = {
     "a clock set right by 56 years": (set_right, EVERY, (0, 3), ""),
     "30,000 states in a message": (

@@ -20,21 +20,15 @@ from tests.oracles.small_logs import first_seconds
 from tests.paths import ROOT, TROT, TROUBLED, WALK
 
 LACKING = """
-import io, os, signal, sys, types
-for name in ("fork", "forkpty", "pread", "preadv", "fchown", "fchmod", "O_TMPFILE", "O_NONBLOCK",
-             "sched_getaffinity", "geteuid", "getuid", "symlink"):
-    if hasattr(os, name):
-        delattr(os, name)
-
-
-def no_links(*_paths, **_others):
-    raise OSError(95, "there are no hard links")
-
-
-os.link = no_links
-for name in ("pthread_sigmask", "pthread_kill", "setitimer", "SIGALRM", "SIGHUP"):
-    if hasattr(signal, name):
-        delattr(signal, name)
+import io, os, signal, sys
+for module, names in (
+    (os, "fork forkpty pread preadv fchown fchmod O_TMPFILE O_NONBLOCK sched_getaffinity geteuid"
+         " getuid symlink"),
+    (signal, "pthread_sigmask pthread_kill setitimer SIGALRM SIGHUP"),
+):
+    for name in names.split():
+        if hasattr(module, name):
+            delattr(module, name)
 for name in ("fcntl", "resource", "termios", "pwd", "grp"):
     sys.modules[name] = None
 
@@ -65,16 +59,6 @@ for name in ("stdout", "stderr"):
     stream = getattr(sys, name)
     setattr(sys, name, io.TextIOWrapper(stream.buffer, encoding="cp1252", newline="\\r\\n"))
 
-
-class Windows(types.ModuleType):
-    name = "nt"
-
-    def __getattr__(self, attribute):
-        return getattr(os, attribute)
-
-
-import click.core
-click.core.os = Windows("os")
 """
 
 

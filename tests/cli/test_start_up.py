@@ -1,6 +1,5 @@
 """What a call loads, and the memory that it takes: imports are most of the time of a short log."""
 
-import os
 import shlex
 import subprocess
 import sys
@@ -54,37 +53,29 @@ def test_a_call_loads_only_what_it_needs(
     assert "dogbot_logtool.options" in loaded
 
 
-def test_without_matplotlib_it_is_said_how_to_install_it(tmp_path: Path) -> None:
-    (tmp_path / "matplotlib.py").write_text("raise ImportError")
-    refused = subprocess.run(  # noqa: S603 - this program
-        [sys.executable, "-m", "dogbot_logtool", "stats", str(WALK), "--figure", "walk.pdf"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert refused.returncode == 1
-    assert install_command("plot") in refused.stderr
-
-
 @pytest.mark.parametrize(
-    ("words", "package"),
+    ("words", "package", "extra"),
     [
-        (("info", "s3://lab/walk.bag"), "upath"),
-        (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed"),
-        (("export", TROT, "--dataset", "walks"), "pyarrow"),
+        (("info", "s3://lab/walk.bag"), "upath", "fleet"),
+        (("stats", TROT, "--scheduler", "tcp://x:1"), "distributed", "fleet"),
+        (("export", TROT, "--dataset", "walks"), "pyarrow", "fleet"),
+        (("stats", WALK, "--figure", "walk.pdf"), "matplotlib", "plot"),
+        (("report", TROT), "jinja2", "report"),
     ],
 )
 def test_what_an_extra_brings_is_asked_for(
-    shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str
+    shell: Shell,
+    monkeypatch: pytest.MonkeyPatch,
+    words: Sequence[object],
+    package: str,
+    extra: str,
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    for module in ("run.cluster", "report.dataset"):
+    for module in ("run.cluster", "report.dataset", "report.gait_figure", "report.page.render"):
         monkeypatch.delitem(sys.modules, f"dogbot_logtool.{module}", raising=False)
     done = shell(*words)
     assert (done.code, done.out, shell.files()) == (1, "", [])
-    assert done.err.endswith(f"not installed: {install_command('fleet')}\n")
+    assert done.err.endswith(f"not installed: {install_command(extra)}\n")
 
 
 # --- What an extra brings -------------------------------------------------------------------------

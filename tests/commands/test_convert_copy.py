@@ -1,9 +1,11 @@
-"""The recorded messages, chunks, attachments and metadata in a converted log."""
+"""The recorded part of a converted log: messages, chunks, attachments, and what is broken."""
 
+import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from mcap.reader import make_reader
@@ -11,24 +13,36 @@ from mcap.writer import CompressionType
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
-from dogbot_logtool.writer.encodings.registry import ENCODINGS
-from tests.commands.conversions import COMPRESSIONS, chunks_of, converted, opening_of
-from tests.oracles import base_walks
-from tests.oracles.annotated_file import ENCODED, described_robots, read_written
+from tests.commands.conversions import chunks_of, codes, converted, opening_of
+from tests.oracles import base_walks, walks
+from tests.oracles.annotated_file import Written, described_robots, read_written, written_loads
 from tests.oracles.recorded import (
+    CONTACTS_TYPE,
     DESCRIPTION,
     FEET,
+    ODOMETRY,
+    ODOMETRY_TYPE,
+    TF_TYPE,
     Recorded,
+    S,
     arrow_topic,
-    label_topic,
-    load_topic,
+    contact_topic,
     read_log,
 )
-from tests.oracles.ros1_logs import small_walk, write_ros1_mcap
-from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
+from tests.oracles.ros1_logs import (
+    contact,
+    contacts,
+    odometry,
+    small_walk,
+    transform,
+    write_bag,
+    write_ros1_mcap,
+)
+from tests.oracles.small_logs import CONTACTS, write_log
+from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED, WALK
-from tests.reader.mcap_bytes import CHUNK, DATA_END, FOOTER, MAGIC, record, text
 
 COPIES: list[tuple[Path, Compression | None, str]] = [
     (TROUBLED, "zstd", "ros1"),
@@ -61,28 +75,6 @@ def test_recorded_messages_are_copied_byte_for_byte(
     assert done.written.profile == profile
 
 
-@pytest.mark.parametrize(
-    ("compression", "encoding"), list(zip(COMPRESSIONS, ENCODINGS, strict=True))
-)
-def test_without_copy_there_are_annotations_only(compression: Compression, encoding: str) -> None:
-    log = first_seconds(TROUBLED)
-    looks = {"compression": compression, "encoding": encoding}
-    done, encoded = converted(log, copy=False, **looks), ENCODED[encoding]
-    topics = {"/tf", "/support", "/events", "/gait"}
-    topics |= {topic(foot) for topic in (arrow_topic, load_topic, label_topic) for foot in FEET}
-    written = done.written
-    assert written.topics.keys() - {"/events/spans"} == topics | {DESCRIPTION}
-    assert {each for topic in topics for each in written.encodings(topic)} == {encoded}
-    assert written.encodings(DESCRIPTION) == {"ros1" if encoding == "ros1" else "cdr"}
-    assert described_robots(written) == [(opening_of(log), "dogbot")]
-    assert written.profile == ("" if encoding == "foxglove" else encoding)
-    assert done.conversion.copied == 0
-    with_copy = converted(log, **looks).written
-    for topic in topics - {"/tf"}:
-        alone = [m.data for _, m in written.of(topic, encoded)]
-        assert alone == [m.data for _, m in with_copy.of(topic, encoded)]
-
-
 def test_chunks_of_an_mcap_are_copied_as_they_stand() -> None:
     recorded, done = chunks_of(WALK), converted(WALK)
     written = chunks_of(done.path)
@@ -100,53 +92,42 @@ def test_output_has_chunks_of_about_a_megabyte() -> None:
     assert sum(sizes) / len(sizes) > 1 << 18
 
 
+def done(log: Path, options: ConvertOptions = ConvertOptions()) -> tuple[Conversion, Written]:  # noqa: B008 - frozen
+    """Convert a log; the file has all that the result counts."""
+    target = log.with_name("out.mcap")
+    conversion = convert(log, target, options)
+    written = read_written(target)
+    annotated = sum(conversion.annotations.values())
+    assert len(written.messages) == conversion.copied + annotated
+    return conversion, written
+
+
 def test_mcap_extras_are_copied_with_the_messages(tmp_path: Path) -> None:
-    log, target = tmp_path / "log.mcap", tmp_path / "out.mcap"
-    write_ros1_mcap(log, small_walk(), extras=True)
-    convert(log, target, ConvertOptions(compression="none"))
-    recorded, written = read_written(log), read_written(target)
-    assert written.attachments == recorded.attachments
-    assert len(written.attachments) == 2
-    assert written.metadata[:-1] == recorded.metadata
-    with target.open("rb") as stream:
+    """To the byte, also metadata that are no text; a damaged attachment is left out."""
+    log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(), extras=True)
+    _, written = done(log, ConvertOptions(compression="none"))
+    recorded = read_written(log)
+    assert len(recorded.attachments) == 2
+    with (tmp_path / "out.mcap").open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
-        assert list(reader.iter_attachments()) == recorded.attachments
+        assert list(reader.iter_attachments()) == written.attachments == recorded.attachments
         assert list(reader.iter_metadata()) == written.metadata
+    assert written.metadata[:-1] == recorded.metadata
     own = [c for c in written.channels.values() if c.metadata == {"callerid": "/tests"}]
     assert len(own) == 2
     assert {m.sequence for m in written.messages} == {0, 3}
-    convert(log, target, ConvertOptions(copy=False, overwrite=True))
-    written = read_written(target)
-    assert written.attachments == []
+    conversion, written = done(log, ConvertOptions(copy=False, overwrite=True))
+    assert (conversion.copied, written.attachments) == (0, [])
     assert [metadata.name for metadata in written.metadata] == ["dogbot_logtool"]
 
-
-def test_a_chunk_without_messages(tmp_path: Path) -> None:
-    """One before every chunk, and one behind them, in a file without an index."""
-    log, target = tmp_path / "log.mcap", tmp_path / "out.mcap"
-    write_ros1_mcap(log, small_walk(0.2), compression=CompressionType.NONE, chunk_size=10_000)
-    with log.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    data, data_end = log.read_bytes(), record(DATA_END, bytes(4))
-    starts = [index.chunk_start_offset for index in summary.chunk_indexes]
-    parts = pairwise([0, *starts, data.rindex(data_end[:9])])
-    empty = record(CHUNK, bytes(28) + text("") + bytes(8))
-    body = b"".join(data[start:end] + empty for start, end in parts)
-    log.write_bytes(body + data_end + record(FOOTER, bytes(20)) + MAGIC)
-    done = convert(log, target, ConvertOptions())
-    assert (done.damage.exit_code, done.copied) == (0, 100)
-    assert len(read_written(target).messages) == 100 + sum(done.annotations.values())
-
-
-def test_metadata_that_is_no_text_is_copied_byte_for_byte(tmp_path: Path) -> None:
-    log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(0.1), extras=True)
-    data = log.read_bytes()
-    assert b"weather" in data
-    log.write_bytes(data.replace(b"weather", b"w\xffather"))
-    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
-    assert not [loss for loss in conversion.damage.losses if "metadata" in loss.what]
-    assert b"w\xffather" in (tmp_path / "out.mcap").read_bytes()
+    data = log.read_bytes().replace(b"weather", b"w\xffather")
+    log.write_bytes(data.replace(b"here be dragons", b"here be unicorn", 1))
+    conversion = convert(log, tmp_path / "odd.mcap", ConvertOptions())
+    lost = [each.what for each in conversion.damage.losses]
+    assert sum("the attachment or metadata record at byte" in what for what in lost) == 1
+    copied = (tmp_path / "odd.mcap").read_bytes()
+    assert b"w\xffather" in copied
+    assert b"here be unicorn" not in copied
 
 
 # --- Chosen topics --------------------------------------------------------------------------------
@@ -189,3 +170,119 @@ def test_transforms_that_are_left_out_are_written_anew(tmp_path: Path) -> None:
     path = base_walks.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
     done = convert(path, tmp_path / "part.mcap", ConvertOptions(topics=("!/tf",)))
     assert done.annotations["/tf"] > 100
+
+
+# --- What is missing or broken --------------------------------------------------------------------
+
+
+def test_feet_only(tmp_path: Path) -> None:
+    entries = [entry for entry in small_walk() if entry.topic != ODOMETRY]
+    conversion, _ = done(write_bag(tmp_path / "log.bag", entries))
+    assert "NO_BASE" in codes(conversion)
+    assert conversion.annotations[arrow_topic("front_left")] == 250
+    assert "/tf" not in conversion.annotations
+    missing = {f.where for f in conversion.findings if f.code == "NO_MESSAGES"}
+    assert missing >= {contact_topic(foot) for foot in FEET[1:]}
+
+
+@pytest.mark.parametrize("tf", ["auto", "never"])
+def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
+    entries = [entry for entry in small_walk() if entry.topic == ODOMETRY]
+    conversion, _ = done(write_bag(tmp_path / "log.bag", entries), ConvertOptions(tf=tf))
+    assert "NO_FEET" in codes(conversion)
+    written = {topic: count for topic, count in conversion.annotations.items() if count}
+    assert written == {DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
+
+
+def test_malformed_messages_cost_one_message_each(tmp_path: Path) -> None:
+    """Transforms are read for all that is measured, whatever is written."""
+    sent = [10 * S + index * 20_000_000 for index in range(50)]
+    frames = [Entry("/tf", TF_TYPE, time, transform(time, "base_link", "leg")) for time in sent]
+    frames[30] = frames[30]._replace(data=frames[30].data[:-1])
+    entries = sorted([*small_walk(), *frames], key=lambda entry: entry.log_time)
+    broken = next(i for i, e in enumerate(entries) if i > 200 and e.kind == CONTACTS_TYPE)
+    entries[broken] = entries[broken]._replace(data=entries[broken].data[:-3])
+    log = write_bag(tmp_path / "log.bag", entries)
+    conversion, written = done(log)
+    assert conversion.damage.exit_code == 3
+    assert conversion.copied == len(entries)
+    lost = conversion.damage.losses
+    topics = {contact_topic("front_left"), "/tf"}
+    assert {topic for topic in topics for loss in lost if topic in loss.what} == topics
+    assert [loss.messages for loss in lost] == [1, 1]
+    loads = written_loads(written, "front_left", "foxglove")
+    sound = [e for i, e in enumerate(entries) if e.kind == CONTACTS_TYPE and i != broken]
+    assert [load.log_time for load in loads] == [each.log_time for each in (entries[0], *sound)]
+    provenance = written.metadata[-1].metadata
+    assert provenance["lost_messages"] == "2"
+    assert contact_topic("front_left") in provenance["damage"]
+    never, _ = done(log, ConvertOptions(tf="never", overwrite=True))
+    assert never.damage.losses == lost
+
+
+@pytest.mark.parametrize(
+    ("kind", "bad", "batch"),
+    [
+        ("gazebo_msgs/msg/ContactsState", {"/odom", "/front_left/contact"}, 1),
+        ("unitree_go/msg/LowState", {"/odom", "/feet"}, 0),
+        ("champ_msgs/msg/ContactsStamped", {"/odom", "/feet"}, 2),
+    ],
+)
+def test_a_batch_of_which_nothing_can_be_decoded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, bad: set[str], batch: int
+) -> None:
+    monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 1)
+    walk, path = walks.Walk(2), tmp_path / "log.mcap"
+    entries = walks.messages(2, kind)
+    first, last = (walks.START + n * 200 * walks.STEP for n in (batch, batch + 1))
+    lost = [each for each in entries if each.topic in bad and first <= each.log_time < last]
+    cut = [each._replace(data=each.data[:11]) if each in lost else each for each in entries]
+    walks.write_mcap(path, walk, cut, chunk_size=20_000)
+    conversion, _ = done(path, ConvertOptions(robot=str(walks.robot_file(tmp_path, kind))))
+    assert sum(loss.messages or 0 for loss in conversion.damage.losses) == len(lost)
+    assert all("could not be decoded" in loss.what for loss in conversion.damage.losses)
+
+
+@pytest.mark.parametrize(
+    ("times_ms", "end_ms", "unknown_ms"),
+    [
+        ([10, 20, 30, 200, 210], 215, [40]),
+        ([300, 310], 320, [0]),
+        (range(0, 4000, 200), 4500, []),
+        (range(0, 4000, 200), 6000, [4000]),
+    ],
+)
+def test_a_load_is_unknown_from_when_the_next_message_is_due(
+    tmp_path: Path, times_ms: Sequence[int], end_ms: int, unknown_ms: list[int]
+) -> None:
+    """It is known from the log's first time on if the first message is near to that."""
+    state, start = contact((0.0, 0.0, 50.0)), 10 * S
+    topics = [(ODOMETRY, ODOMETRY_TYPE, [0, end_ms])]
+    topics.append((contact_topic("front_left"), CONTACTS_TYPE, [*times_ms]))
+    entries = [
+        Entry(topic, kind, time, odometry(time) if topic == ODOMETRY else contacts(time, state))
+        for topic, kind, times in topics
+        for time in (start + 1_000_000 * each for each in times)
+    ]
+    _, written = done(write_bag(tmp_path / "log.bag", sorted(entries, key=lambda e: e.log_time)))
+    loads = written_loads(written, "front_left", "foxglove")
+    unknown = [load for load in loads if load.state == "unknown"]
+    assert all(math.isnan(load.force) for load in unknown)
+    assert [(load.log_time - start) // 1_000_000 for load in unknown] == unknown_ms
+    assert loads[0].log_time == start
+
+
+def test_a_chunk_whose_checksum_fails_is_left_out(tmp_path: Path) -> None:
+    none = CompressionType.NONE
+    log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(), compression=none, chunk_size=40_000)
+    count, data = len(chunks_of(log)), bytearray(log.read_bytes())
+    data[data.index(b"ground_plane", len(data) // 2)] ^= 1
+    log.write_bytes(data)
+    conversion, _ = done(log, ConvertOptions(compression="none"))
+    assert conversion.damage.exit_code == 3
+    (loss,) = conversion.damage.losses
+    assert loss.messages
+    assert conversion.copied == 500 - loss.messages
+    assert "checksum" in loss.what
+    kept = [c for c in chunks_of(tmp_path / "out.mcap") if c in chunks_of(log)]
+    assert len(kept) == count - 1

@@ -1,7 +1,7 @@
 """Support and legs in converted logs."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -14,26 +14,24 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.options.convert import ConvertOptions
-from tests.commands.conversions import codes, converted
-from tests.oracles import state_walks, walks
+from tests.commands.conversions import codes
+from tests.oracles import walks
 from tests.oracles.annotated_file import (
     Written,
-    arrows,
     read_written,
     written_transforms,
 )
 from tests.oracles.conversion import xyz
 from tests.oracles.frames import Frames, turn_of
-from tests.oracles.recorded import TF_TYPE, S
+from tests.oracles.recorded import S
 from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
 from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
-from tests.oracles.state_walks import StateWalk
-from tests.paths import ROOT, TROT, TROUBLED
+from tests.paths import ROOT, TROT
 from tests.truth import physics
 from tests.truth.free_walker import trot
-from tests.truth.margins import hull, margin
 from tests.truth.parts import urdf
 from tests.truth.physics import KEPT_S
+from tests.truth.recording import hull, margin
 
 # --- Support --------------------------------------------------------------------------------------
 
@@ -85,42 +83,15 @@ def assert_standing(feet: Sequence[str], outline: Sequence[Vector], colour: Any)
     np.testing.assert_allclose(found, wanted, atol=1e-6)
 
 
-# --- When it is written ---------------------------------------------------------------------------
-
-
-def test_what_is_not_known_is_told(tmp_path: Path) -> None:
-    done = converted(TROUBLED, encoding="ros1", copy=False).conversion
-    told = {each.code: each.text for each in done.findings}
-    # One of its sensors is dead, and `stats` gives no margins either.
-    assert "back_left" in told["DEAD"]
-    assert "contact of some foot unknown" in told["NO_SUPPORT_DRAWN"]
-    # Of this base the log's own transforms know nothing.
-    robot = tmp_path / "robot.toml"
-    robot.write_text(DOGBOT.read_text().replace("base_link", "trunk"))
-    options = ConvertOptions(robot=str(robot), copy=False, end=2.0)
-    done = convert(TROT, tmp_path / "link.mcap", options)
-    assert "NO_SUPPORT_DRAWN" in {finding.code for finding in done.findings}
-
-
-def centipede(folder: Path) -> tuple[Path, ConvertOptions]:
-    feet = {f"foot_{number}": f"/leg/{number}" for number in range(17)}
-    topics = dict.fromkeys(feet.values(), CONTACTS)
-    log = write_log(folder / "walk.mcap", topics, odometry=["/odom"])
-    return log, ConvertOptions(robot="generic", foot=feet)
-
-
-@pytest.mark.parametrize(
-    ("what", "cause"),
-    [
-        ("geometry_msgs/msg/WrenchStamped", "contact points"),
-        ("centipede", "17 feet"),
-    ],
-)
-def test_some_feet_have_no_support(tmp_path: Path, what: str, cause: str) -> None:
-    if what == "centipede":
-        log, options = centipede(tmp_path)
+@pytest.mark.parametrize("cause", ["contact points", "17 feet"])
+def test_some_feet_have_no_support(tmp_path: Path, cause: str) -> None:
+    log, options = tmp_path / "walk.mcap", ConvertOptions()
+    if cause == "17 feet":
+        feet = {f"foot_{number}": f"/leg/{number}" for number in range(17)}
+        write_log(log, dict.fromkeys(feet.values(), CONTACTS), odometry=["/odom"])
+        options = ConvertOptions(robot="generic", foot=feet)
     else:
-        log, options = walks.write_walk(tmp_path, what, "bag"), ConvertOptions()
+        log = walks.write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "bag")
     done = convert(log, tmp_path / "out.mcap", options)
     assert "/support" not in done.annotations
     (finding,) = [one for one in done.findings if one.code == "NO_SUPPORT_DRAWN"]
@@ -133,8 +104,6 @@ def test_it_lasts_until_it_is_drawn_anew(tmp_path: Path) -> None:
     for _, message in read_written(tmp_path / "out.mcap").decoded("/support"):
         assert message.entities[0].lifetime.ToNanoseconds() == 2 * S
 
-
-NAMES = tuple(FEET)
 
 # --- Links that joint states move -----------------------------------------------------------------
 
@@ -208,45 +177,6 @@ def test_joints_that_are_left_out_are_counted(tmp_path: Path) -> None:
     assert any("joints left out of the robot description: 1 (" in each for each in said)
 
 
-# --- Feet whose messages name no frame ------------------------------------------------------------
-
-FT = "pronto_msgs/msg/QuadrupedForceTorqueSensors"
-HIPS_M = 0.1
-"""Height of a hip above the base, halfway in the chain to the foot."""
-
-
-def foot_entries(walk: StateWalk) -> Iterator[walks.Entry]:
-    """Forces of all feet, and transforms of the base, its hips and its feet."""
-    yield from (entry for entry in walk.messages(FT) if entry.kind == FT)
-    for sample in range(walks.SAMPLES):
-        base = state_walks.base_position(sample)
-        rows = [("odom", "base_link", base)]
-        for leg, label in state_walks.LABELS.items():
-            hip, name = [*state_walks.PLACES[leg], HIPS_M], f"{label[:2].lower()}_hip"
-            foot = state_walks.foot_position(leg, sample) - base - hip
-            rows += [("base_link", name, hip), (name, label, foot)]
-        made = [
-            {"header": walk.header(sample, parent), "child_frame_id": child, "transform": [shift]}
-            for parent, child, shift in rows
-        ]
-        message = walk.bytes_of(TF_TYPE, walk.make(TF_TYPE, transforms=made))
-        yield walks.Entry("/tf", TF_TYPE, walks.START + sample * walks.STEP, message)
-
-
-def test_arrows_start_at_the_frames_of_the_feet(tmp_path: Path) -> None:
-    walk, path, target = StateWalk(2), tmp_path / "walk.mcap", tmp_path / "out.mcap"
-    walks.write_mcap(path, walk, sorted(foot_entries(walk), key=lambda entry: entry.log_time))
-    convert(path, target, ConvertOptions(mass=walks.MASS_KG, encoding="ros2", copy=False))
-    drawn = 0
-    for topic, log_time, marker in arrows(target):
-        leg = topic.removeprefix("/marker_basic_").removesuffix("_foot")
-        at = marker.pose.position
-        expected = state_walks.foot_position(leg, (log_time - walks.START) // walks.STEP)
-        assert (at.x, at.y, at.z) == pytest.approx(expected, abs=1e-6)
-        drawn += 1
-    assert drawn == sum(int(touch.sum()) for touch in walks.TOUCHES.values())
-
-
 def test_feet_that_tell_contact_only_have_loads_that_say_stance_and_swing(tmp_path: Path) -> None:
     log = walks.write_walk(tmp_path, "champ_msgs/msg/ContactsStamped", "mcap")
     convert(log, tmp_path / "out.mcap", ConvertOptions(copy=False))
@@ -276,7 +206,7 @@ def test_lines_lead_to_the_feet_that_stand(standing: Written) -> None:
     assert len(legs) == 50
     for log_time, message in legs:
         up = LIFTED_S[0] <= (log_time - START) / S < LIFTED_S[1]
-        down = [foot for foot in NAMES if not (up and foot == LIFTED)]
+        down = [foot for foot in FEET if not (up and foot == LIFTED)]
         assert len(message.points) == 2 * len(down)
         for number, foot in enumerate(down):
             hip, end = map(xyz, message.points[2 * number : 2 * number + 2])
@@ -288,7 +218,7 @@ def test_lines_lead_to_the_feet_that_stand(standing: Written) -> None:
                 share = (hip[axis] - BASE[axis]) / FEET[foot][axis]
                 assert 0.5 < share < 1.0
             colour = message.colors[2 * number + 1]
-            own = colour_parts(foot_colour(NAMES.index(foot)))
+            own = colour_parts(foot_colour([*FEET].index(foot)))
             assert (colour.r, colour.g, colour.b) == pytest.approx(own, abs=1e-6)
 
 

@@ -25,7 +25,6 @@ from tests.oracles.recorded import (
     arrow_topic,
     contact_topic,
     load_topic,
-    read_log,
 )
 from tests.oracles.ros1_logs import (
     contact,
@@ -38,15 +37,6 @@ from tests.oracles.ros1_logs import (
 )
 from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED
-
-
-def test_own_tf_joins_the_log_s_where_type_and_encoding_are_the_same() -> None:
-    done = converted(TROT, style="classic", encoding="ros1")
-    recorded = sum(one.topic == "/tf" for one in read_log(TROT))
-    joined = done.written.of("/tf", "ros1")
-    assert done.written.topics["/tf"] == len(joined) == recorded + 401
-    assert {schema.name for schema, _ in joined} == {"tf2_msgs/TFMessage"}
-    assert done.conversion.annotations["/tf"] == 401
 
 
 def test_a_topic_that_is_taken_twice_is_moved_twice(tmp_path: Path) -> None:
@@ -106,11 +96,6 @@ def test_a_parent_that_is_not_copied_is_no_second_one(
     assert "TF_NOT_WRITTEN" not in codes(conversion)
 
 
-def test_tf_never_writes_none() -> None:
-    done = converted(TROUBLED, tf="never", copy=False)
-    assert "/tf" not in done.conversion.annotations
-
-
 # --- Events and gaits -----------------------------------------------------------------------------
 
 
@@ -163,17 +148,6 @@ def test_onsets_on_stamps_are_written_at_log_times() -> None:
     assert len(at_samples) > 20
     assert set(at_samples) <= recorded.items()
     assert all(0 < log_time - stamp < 5e6 for stamp, log_time in found)
-
-
-@pytest.mark.parametrize("encoding", ["foxglove", "ros1", "ros2"])
-def test_the_gait_is_written_where_it_changes_and_ends(encoding: str) -> None:
-    (_, begins), (_, ends) = messages_of(TROT, encoding, "/gait")
-    assert begins.gait == "trot"
-    assert begins.duty_factor == pytest.approx(0.714, abs=0.01)
-    assert begins.stride_frequency_hz == pytest.approx(1.0 / 1.142, abs=0.01)
-    assert list(begins.phases) == pytest.approx([0.0, 0.5, 0.5, 0.0], abs=0.02)
-    assert ends.gait == "unknown"
-    assert ends.duty_factor != ends.duty_factor
 
 
 def test_events_are_spans_where_the_schemas_have_them() -> None:

@@ -1,7 +1,6 @@
 """What `info` tells of logs, and that a robot's file made from a log finds the same in it."""
 
 import json
-import tomllib
 from collections.abc import Iterable
 from io import StringIO
 from pathlib import Path
@@ -68,19 +67,6 @@ def test_a_bag_is_what_rosbags_says() -> None:
     assert describe(TROUBLED, InfoOptions()).compressions == ("bz2",)
 
 
-@pytest.mark.parametrize("width", [40, 80, 110])
-def test_print_fits_and_tells_all_topics(width: int) -> None:
-    text = printed(describe(TROT, InfoOptions()), width)
-    table = text[: text.index("frames\n")]
-    too_long = [line for line in table.split("\n")[1:] if len(line) > width]
-    assert [line for line in too_long if len(line.split()) > 1] == [], "only whole names may be"
-    if width >= 80:
-        for topic in truth(TROT)["log"]["messages"]:
-            assert topic in text
-        assert "gazebo_msgs/ContactsState" in text
-    assert "12,009" in text
-
-
 def test_an_empty_log(tmp_path: Path) -> None:
     path = tmp_path / "empty.mcap"
     path.write_bytes(McapBytes([], topics={}).build())
@@ -139,12 +125,3 @@ def test_the_file_has_the_base_s_poses(tmp_path: Path, kind: str) -> None:
     without, with_file = figures(path, MeasureOptions()), figures_with_file(path)
     assert with_file["base"] == without["base"]
     assert with_file["base"]["path_length_m"] > 1.0
-
-
-def test_the_file_has_what_messages_call_the_feet(tmp_path: Path) -> None:
-    walk = StateWalk(2)
-    path = tmp_path / "walk.mcap"
-    walks.write_mcap(path, walk, state_walks.messages("anymal_msgs/msg/AnymalState"))
-    text = new_robot(path, "walker", MeasureOptions()).text
-    labels = {foot["label"] for foot in tomllib.loads(text)["feet"].values()}
-    assert labels == {"LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT"}

@@ -1,8 +1,8 @@
-"""Recordings written by the mcap library, and compared in pairs."""
+"""Recordings written by the mcap library, and compared."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,13 +13,15 @@ from mcap.writer import Writer
 from mcap_protobuf.schema import build_file_descriptor_set
 
 from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.comparison.outcome import Comparison, Tally
+from dogbot_logtool.comparison.outcome import Comparison
 from dogbot_logtool.options.compare import CompareOptions
 from tests.oracles.walks import Walk
 
 START = 1_700_000_000_000_000_000
 STEP = 1_000_000
 ODOMETRY = "nav_msgs/msg/Odometry"
+Message = tuple[str, int, bytes]
+"""Topic, log time, ns, and payload."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +32,6 @@ class Kind:
     name: str = ""
     schema_encoding: str = ""
     schema: bytes = b""
-
-
-@dataclass(frozen=True)
-class Message:
-    topic: str
-    time: int
-    data: bytes
-    publish_time: int | None = None
 
 
 UNINDEXED: Mapping[str, Any] = dict.fromkeys(
@@ -53,6 +47,8 @@ class Recording:
     metadata: Mapping[str, dict[str, str]] = field(default_factory=dict)
     attachments: Mapping[str, bytes] = field(default_factory=dict)
     profile: str = "ros1"
+    publish_delay: int = 0
+    """ns."""
 
     def write(self, path: Path, **packing: Any) -> Path:
         """Write an MCAP; how it is packed must not matter."""
@@ -61,14 +57,8 @@ class Recording:
             writer = Writer(file, enable_crcs=False, **packing)
             writer.start(self.profile, "a test")
             channels = {topic: register(writer, topic, kind) for topic, kind in self.kinds.items()}
-            for message in self.messages:
-                published = message.publish_time
-                writer.add_message(
-                    channels[message.topic],
-                    message.time,
-                    message.data,
-                    message.time if published is None else published,
-                )
+            for topic, time, data in self.messages:
+                writer.add_message(channels[topic], time, data, time + self.publish_delay)
             for name, values in self.metadata.items():
                 writer.add_metadata(name, values)
             for name, data in self.attachments.items():
@@ -123,13 +113,10 @@ JSON = Kind("json", "Load", "jsonschema", b'{"type": "object"}')
 RAW = Kind("cbor", "Thing", "cddl", b"thing = any")
 
 
-def scene(z: float = 0.0213, *, sign: float = 1.0, entity: str = "front_left") -> bytes:
+def scene(z: float = 0.0213, *, entity: str = "front_left") -> bytes:
     update: Any = SceneUpdate()
     one = update.entities.add(id=entity, frame_id="world")
-    arrow = one.arrows.add(shaft_length=0.5)
-    arrow.pose.position.z = z
-    arrow.pose.orientation.y = 0.6 * sign
-    arrow.pose.orientation.w = 0.8 * sign
+    one.arrows.add(shaft_length=0.5).pose.position.z = z
     data: bytes = update.SerializeToString()
     return data
 
@@ -147,67 +134,37 @@ WITH_NUMBER: Mapping[str, tuple[Kind, Callable[[float], bytes], str]] = {
 """By encoding: a kind of message, one with a given number in it, and where the number is."""
 
 
-def recording(kinds: Mapping[str, Kind], *messages: tuple[str, int, bytes]) -> Recording:
-    return Recording(kinds, [Message(t, START + time * STEP, data) for t, time, data in messages])
+def recording(kinds: Mapping[str, Kind], *messages: Message) -> Recording:
+    """A recording of messages with times in ms after the start."""
+    return Recording(kinds, [(topic, START + ms * STEP, data) for topic, ms, data in messages])
 
 
 def one_topic(kind: Kind, *payloads: bytes) -> Recording:
     return recording({"/a": kind}, *(("/a", time, data) for time, data in enumerate(payloads)))
 
 
-def mixed(count: int = 50) -> Recording:
-    kinds = {"/odom": ros_kind(1), "/scene": SCENE, "/load": JSON, "/raw": RAW, "/silent": JSON}
-    messages = [
-        message
-        for i in range(count)
-        for message in (
-            ("/odom", i, odometry(1, (float(i), 0.0, 0.0))),
-            ("/scene", i, scene(i / 7)),
-            ("/scene", i, scene(i / 9)),
-            ("/load", i + 1, load(i / 3)),
-            ("/raw", 2 * i, bytes(range(i % 7))),
-        )
-    ]
-    whole = recording(kinds, *messages)
-    return replace(
-        whole,
-        metadata={"dogbot_logtool": {"version": "1", "style": "force"}},
-        attachments={"notes": b"wet floor"},
+def compared(
+    folder: Path, expected: Recording | Path, actual: Recording | Path, **options: Any
+) -> Comparison:
+    """Write what is not written yet, and compare."""
+    one, other = (
+        side if isinstance(side, Path) else side.write(folder / f"{name}.mcap")
+        for name, side in (("expected", expected), ("actual", actual))
     )
+    result = compare(one, other, CompareOptions(**options))
+    assert result.same == (not result.difference_count)
+    return result
 
 
-class Pair:
-    """Two recordings, written and compared."""
-
-    def __init__(self, folder: Path) -> None:
-        self.expected = folder / "expected.mcap"
-        self.actual = folder / "actual.mcap"
-
-    def write(self, expected: Recording, actual: Recording) -> None:
-        expected.write(self.expected)
-        actual.write(self.actual)
-
-    def compare(self, options: CompareOptions = CompareOptions()) -> Comparison:  # noqa: B008
-        return compare(self.expected, self.actual, options)
-
-    def lines(
-        self,
-        expected: Recording,
-        actual: Recording,
-        options: CompareOptions = CompareOptions(),  # noqa: B008 - frozen
-    ) -> list[str]:
-        self.write(expected, actual)
-        result = self.compare(options)
-        assert result.same == (not result.differences)
-        assert result.exit_code == (0 if result.same else 1)
-        return [difference.line for difference in result.differences]
+def lines(result: Comparison) -> list[str]:
+    return [difference.line for difference in result.differences]
 
 
-def tally(result: Comparison, name: str) -> Tally:
-    return next(one for one in result.tallies if one.name == name)
-
-
-def counts(one: Tally) -> tuple[int, int, int, int, int, int, int]:
+def counts(result: Comparison, name: str = "/a") -> tuple[int, int, int, int, int, int, int]:
+    """Messages expected, actual, equal, within tolerance, different, missing and extra."""
+    one = next(tally for tally in result.tallies if tally.name == name)
+    paired = one.equal + one.within_tolerance + one.different
+    assert (one.expected, one.actual) == (paired + one.missing, paired + one.extra)
     return (
         one.expected,
         one.actual,

@@ -85,7 +85,7 @@ def write_ros1_mcap(
     compression: CompressionType = CompressionType.LZ4,
     chunk_size: int = 1 << 18,
 ) -> Path:
-    return walks.write_library_mcap(path, WALK, entries, chunk_size, compression, extras=extras)
+    return walks.write_mcap(path, WALK, entries, chunk_size, compression, extras=extras)
 
 
 def small_walk(seconds: float = 1.0) -> Iterator[Entry]:

@@ -28,6 +28,7 @@ from tests.measured import LogFacts, measured, measurement_of
 from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, TROUBLED, WALK
 
+SAMPLES: Final = {"trot": TROT, "troubled": TROUBLED, "walk": WALK}
 FEET: Final = ("front_left", "front_right", "back_left", "back_right")
 TOPICS: Final = {
     "no feet": ("/dogbot/odom",),
@@ -60,6 +61,7 @@ def missing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Measurement]:
 def valid_json(done: Measurement) -> dict[str, Any]:
     """The object as scripts get it: NaN is no JSON."""
     plain = stats_json(done)
+    Draft202012Validator.check_schema(schema(WalkMetrics))
     Draft202012Validator(schema(WalkMetrics)).validate(plain)
     loaded: dict[str, Any] = json.loads(json.dumps(plain, allow_nan=False))
     return loaded
@@ -73,11 +75,11 @@ def text_of(done: Measurement, width: int, *, colour: bool = False, verbose: boo
     return file.getvalue()
 
 
-@pytest.mark.parametrize("case", TOPICS)
+@pytest.mark.parametrize("case", [*SAMPLES, *TOPICS])
 def test_whatever_is_missing_the_json_is_valid_and_says_why(
     missing: dict[str, Measurement], case: str
 ) -> None:
-    document = valid_json(missing[case])
+    document = valid_json(measured(SAMPLES[case]) if case in SAMPLES else missing[case])
     assert document["findings"]
     for name, foot in document["feet"].items():
         nulls = {f"feet.{name}.{key}" for key, value in foot.items() if value is None}
@@ -88,12 +90,11 @@ def test_whatever_is_missing_the_json_is_valid_and_says_why(
 
 
 @pytest.mark.parametrize("width", [80, 140])
-@pytest.mark.parametrize("case", ["trot", "troubled", "walk", *TOPICS])
+@pytest.mark.parametrize("case", [*SAMPLES, *TOPICS])
 def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut_short(
     missing: dict[str, Measurement], case: str, width: int
 ) -> None:
-    logs = {"trot": TROT, "troubled": TROUBLED, "walk": WALK}
-    done = measured(logs[case]) if case in logs else missing[case]
+    done = measured(SAMPLES[case]) if case in SAMPLES else missing[case]
     for verbose in (False, True):
         text = text_of(done, width, verbose=verbose)
         lines = text.splitlines()
@@ -225,17 +226,6 @@ def test_no_command_breaks_a_word(tmp_path: Path, words: list[str]) -> None:
     moved = {"type", "sent"}  # headings of columns that have no room
     assert [word for word in wide - narrow - moved if len(word) > 3 and word.isascii()] == []
     assert [line for line in lines if len(line) > 80 and len(line.split()) > 1] == []
-
-
-def test_a_damaged_log_is_marked_among_several(tmp_path: Path) -> None:
-    (tmp_path / LONG).write_bytes(first_seconds(TROT).read_bytes()[:-200_000])
-    done = run("stats", first_seconds(TROT), LONG, "--jobs", 1, folder=tmp_path)
-    assert done.returncode == 3
-    table = done.stdout[done.stdout.index("log ") :]
-    heading, _, whole, *cut = table.splitlines()
-    assert heading.split()[-2:] == ["quality", "worst"]
-    assert {"OK", "USABLE", "DOUBTFUL"} & set(whole.split())
-    assert "DAMAGED" in " ".join(cut)
 
 
 # --- On a terminal --------------------------------------------------------------------------------

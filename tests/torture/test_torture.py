@@ -2,19 +2,18 @@
 
 import itertools
 import signal
-import sqlite3
-import struct
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
 import pytest
+from rosbags.rosbag2.enums import StoragePlugin
 
-from tests.oracles import walks
+from tests.oracles.recorded import unpacked
 from tests.oracles.small_logs import odometry_log
-from tests.reader.sqlite_files import MESSAGES, TOPICS
+from tests.oracles.walks import write_rosbag2
+from tests.paths import TROT
 from tests.torture import commands, signals
 from tests.torture.signals import (
     HUP,
@@ -30,67 +29,17 @@ from tests.torture.signals import (
 )
 
 LINUX: Final = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
-COMMANDS: Final = (
-    "info {log}",
-    "stats {log}",
-    "convert {log} -o out.mcap",
-    "report {log} -o out.html",
-    "export {log} --table samples -o out.csv",
-    "check --suggest {log}",
-    "compare {log} {log}",
-    "robots new {log}",
-    "layout {log}",
-)
+FIRST: Final = {each.split()[0]: each for each in reversed(commands.COMMANDS)}.values()
+"""One call of every command."""
 PATIENCE_S: Final = 10.0
 """An end takes a tenth of a second; one that takes longer than this never comes."""
 
 
-WRENCHES: Final = "geometry_msgs/msg/WrenchStamped"
-TICK: Final = "std_msgs/msg/Int64"
-_STAMP: Final = struct.Struct("<iI")
-_HEAD: Final = 4
-"""Bytes of CDR before a stamp that a message begins with."""
-
-
-def write_long_bag(path: Path, repeats: int, ticks: int) -> Path:
-    """Write a bag.
-
-    Args:
-        path: of the file.
-        repeats: how often the robot walks.
-        ticks: further messages at each sample.
-    """
-    walk = list(walks.Walk(2).messages(WRENCHES))
-    kinds = {entry.topic: entry.kind for entry in walk} | {"/ticks": TICK}
-    numbers = {topic: number for number, topic in enumerate(kinds)}
-
-    def rows() -> Iterator[tuple[int, int, bytes]]:
-        for repeat in range(repeats):
-            for entry in walk:
-                time = entry.log_time + repeat * walks.SAMPLES * walks.STEP
-                stamp = _STAMP.pack(*divmod(time, 10**9))
-                data = entry.data[:_HEAD] + stamp + entry.data[_HEAD + _STAMP.size :]
-                yield numbers[entry.topic], time, data
-                if entry.topic == "/odom":
-                    for tick in range(ticks):
-                        yield numbers["/ticks"], time + tick, bytes([0, 1, 0, 0]) + bytes(8)
-
-    connection = sqlite3.connect(path, isolation_level=None)
-    for statement in ("PRAGMA journal_mode = OFF", TOPICS, MESSAGES, "BEGIN"):
-        connection.execute(statement)
-    topics = [(numbers[topic], topic, kind) for topic, kind in kinds.items()]
-    connection.executemany("INSERT INTO topics VALUES (?, ?, ?, 'cdr')", topics)
-    insert = "INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)"
-    connection.executemany(insert, rows())
-    connection.execute("COMMIT")
-    connection.close()
-    return path
-
-
 @pytest.fixture(scope="session")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A bag on which every command is busy for a second or two."""
-    return write_long_bag(tmp_path_factory.mktemp("long") / "log.db3", repeats=10, ticks=50)
+    """A ROS 2 bag on which every command is busy for a second or so."""
+    folder = tmp_path_factory.mktemp("long") / "log"
+    return write_rosbag2(folder, *unpacked(TROT, 2), StoragePlugin.SQLITE3)
 
 
 @pytest.fixture
@@ -112,8 +61,8 @@ def test_every_command_ends_well_on_damaged_logs(tmp_path: Path) -> None:
 @LINUX
 @pytest.mark.slow
 def test_nothing_is_left_after_signals() -> None:
-    rows = dict(signals.torture(1, [(INT,), (TERM, TERM), (KILL,)], ["convert"]))
-    assert {name: row.faults for name, row in rows.items() if row.faults} == {}
+    rows = list(signals.torture(1, [(INT,), (TERM, TERM), (KILL,)], ["convert"]))
+    assert [(name, faults) for name, _, faults in rows if faults] == []
     assert len(rows) == 6
 
 
@@ -145,7 +94,7 @@ def test_signals_amid_writing_leave_nothing(
 
 @LINUX
 def test_signals_end_every_command_on_a_long_bag_at_once(bag: Path, folder: Path) -> None:
-    for number, (command, each) in enumerate(zip(COMMANDS, itertools.cycle((INT, TERM)))):
+    for number, (command, each) in enumerate(zip(FIRST, itertools.cycle((INT, TERM)))):
         words = tuple(command.format(log=bag).split())
         with started(words, folder) as process:
             wait_until_ready(process)

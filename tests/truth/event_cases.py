@@ -8,15 +8,15 @@ from typing import Final
 
 import numpy as np
 
-from tests.truth import planted, scenes
+from tests.truth import foot_faults as foot
 from tests.truth import pose_faults as pose
+from tests.truth import scenes
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth import world_faults as world
 from tests.truth.judging import Case, Event
-from tests.truth.other_cases import OneAfterAnother, changes
+from tests.truth.other_cases import changes
 from tests.truth.recording import Disturbance, on
-from tests.truth.scenes import Knots, Scene
+from tests.truth.scenes import Knots, OneAfterAnother, Scene
 from tests.truth.walking import Walk
 from tests.truth.walks import FORCE, WALK
 
@@ -31,21 +31,21 @@ EARLY: Final = LEAVES + 0.4 * (LANDS - LEAVES)
 def planned() -> Iterator[Case]:
     """One event of a walk, and what only looks like one."""
     slides = LANDS + 0.25
-    jump, hush = world.jump(4.0, (1.0, 0.5, 0.0)), on(time.silent_between(3.0, 5.0), "back_left")
+    jump, hush = pose.jump(4.0, (1.0, 0.5, 0.0)), on(time.silent_between(3.0, 5.0), "back_left")
     early = Event("early_contact", EARLY, foot=FOOT, value=(LANDS - EARLY, 0.02))
     jumps = Event("pose_jump", 4.0, code="POSE_JUMP", value=(1.25**0.5, 0.01))
     silent = Event("gap", 3.0, foot="back_left", value=(2.0, 0.012))
     steps = "touchdowns, lift-offs, stride length"
     rows: list[tuple[str, Disturbance, str, str, tuple[Event, ...]]] = [
-        ("a foot lands early and stays", planted.contact(FOOT, EARLY), "", "touchdowns, margin",
+        ("a foot lands early and stays", foot.contact(FOOT, EARLY), "", "touchdowns, margin",
          (early,)),
-        ("a foot bounces as it leaves", planted.contact(FOOT, LEAVES + 0.03, LEAVES + 0.06), "",
+        ("a foot bounces as it leaves", foot.contact(FOOT, LEAVES + 0.03, LEAVES + 0.06), "",
          steps, ()),
-        ("a foot bounces as it lands", planted.contact(FOOT, LANDS - 0.06, LANDS - 0.03), "",
+        ("a foot bounces as it lands", foot.contact(FOOT, LANDS - 0.06, LANDS - 0.03), "",
          steps, ()),
-        ("poses with 2 mm of noise", world.pose_noise(0.002), "", "", ()),
-        ("poses with 10 mm of noise", world.pose_noise(0.01), "", "", ()),
-        ("contact points roll forward", planted.rolling(0.06), "", "", ()),
+        ("poses with 2 mm of noise", pose.pose_noise(0.002), "", "", ()),
+        ("poses with 10 mm of noise", pose.pose_noise(0.01), "", "", ()),
+        ("contact points roll forward", foot.rolling(0.06), "", "", ()),
         ("one jump of the pose", jump, "POSE_JUMP", "", (jumps,)),
         ("one gap of a foot", hush, "GAPS", steps, (silent,)),
     ]
@@ -53,17 +53,17 @@ def planned() -> Iterator[Case]:
         slip = Event("slip", slides, foot=FOOT, duration_s=0.04, value=(metres, 1e-6))
         known = sensor.user_gives(set={"foot_rolling_m": rolling_m} if rolling_m else {})
         yield Case(f"slip of {metres * 1e3:g} mm, feet roll by {rolling_m} m", TROT,
-                   (planted.slip(FOOT, slides, metres), known), skip="slip", events=(slip,))
+                   (foot.slip(FOOT, slides, metres), known), skip="slip", events=(slip,))
     slip = Event("slip", slides, 0.06, foot=FOOT, value=(0.05, 1e-3))
     yield Case("slip of 50 mm of a foot that rolls", TROT,
-               (planted.rolling(0.03), planted.slip(FOOT, slides, 0.05)), skip="slip",
+               (foot.rolling(0.03), foot.slip(FOOT, slides, 0.05)), skip="slip",
                events=(slip,))
     for share in (0.3, 0.5, 0.6):
         at = LEAVES + share * (LANDS - LEAVES)
         trips = Event("stumble", at, foot=FOOT, duration_s=0.05, value=(share, 0.05))
-        rows.append((f"stumble at {share:g} of a swing", planted.contact(FOOT, at, at + 0.05), "",
+        rows.append((f"stumble at {share:g} of a swing", foot.contact(FOOT, at, at + 0.05), "",
                      steps, (trips,)))
-    noisy = world.pose_noise(0.01), jump
+    noisy = pose.pose_noise(0.01), jump
     yield Case("one jump of noisy poses", TROT, noisy, "POSE_JUMP", skip="height",
                events=(replace(jumps, value=(1.25**0.5, 0.05)),))
     for rate_hz in (1.0, 5.0, 10.0, 20.0):

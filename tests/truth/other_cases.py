@@ -1,34 +1,18 @@
 """Logs of robots that do not walk, or not only."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import reduce
+from dataclasses import replace
 
+from tests.truth import pose_faults as pose
 from tests.truth import scenes
 from tests.truth import sensor_faults as sensor
-from tests.truth import world_faults as world
 from tests.truth.judging import Case, Event
-from tests.truth.recording import Recording
-from tests.truth.sequences import then
+from tests.truth.scenes import OneAfterAnother
 from tests.truth.walking import Walk
 from tests.truth.walks import QUIET, SENSED, WALK
 
 WHEELS = "without steps|wheel"
 CARRIED = r"_CARRIED|_LIFTED|\bcarried|\blifted"
-
-
-@dataclass(frozen=True, slots=True)
-class OneAfterAnother:
-    """Walks and scenes, one after another."""
-
-    parts: tuple[scenes.Scene | Walk, ...]
-    segments: tuple[str, ...] = ()
-
-    def recorded(self, rate_hz: float) -> Recording:
-        """Return the messages of perfect sensors."""
-        recording = reduce(then, (each.recorded(rate_hz) for each in self.parts))
-        truth = replace(recording.truth, segments=self.segments)
-        return replace(recording, truth=truth)
 
 
 def changes(onset_s: float, code: str, within_s: float = 0.8) -> Event:
@@ -40,7 +24,7 @@ def changes(onset_s: float, code: str, within_s: float = 0.8) -> Event:
 def no_steps() -> Iterator[Case]:
     yield Case("standing", scenes.standing())
     yield Case("standing, force sensors", scenes.standing(), QUIET)
-    yield Case("standing, noisy poses", scenes.standing(), (world.pose_noise(0.002),), events=())
+    yield Case("standing, noisy poses", scenes.standing(), (pose.pose_noise(0.002),), events=())
     yield Case("shifting weight", scenes.shifting_weight())
     yield Case("shifting weight, force sensors", scenes.shifting_weight(), QUIET)
     yield Case("crouching", scenes.crouching())

@@ -8,10 +8,11 @@ from typing import Final
 from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
-from tests.truth import world_faults as world
+from tests.truth import time_faults as time
 from tests.truth.judging import Case
 from tests.truth.recording import Disturbance, Recording
 from tests.truth.robots import biped, hexapod, quadruped
+from tests.truth.sensed import with_gyroscope
 from tests.truth.walking import Walk
 from tests.truth.walks import BIPED, QUIET, SLOW, TROT
 
@@ -33,7 +34,7 @@ WAYS: Final[dict[str, tuple[Disturbance, ...]]] = {
     FORCES: QUIET,
     PLACES: (pose.feet_in_base,),
     TF: (*QUIET, sensor.in_link_frame, pose.feet_in_tf),
-    GYRO: (*QUIET, pose.with_gyroscope()),
+    GYRO: (*QUIET, with_gyroscope()),
 }
 """Ways of telling feet, and witnesses of the pose beside them."""
 EVERY: Final = tuple(WAYS)[:3]
@@ -68,7 +69,7 @@ def faults() -> Iterator[Case]:
         ("yaw 15 degrees off, slow walk", SLOW, pose.yaw_off(radians(-15.0)), "POSE_DIRECTION",
          SEEN),
         ("yaw 28 degrees off, biped", BIPED, pose.yaw_off(-0.5), "POSE_DIRECTION", (POINTS,)),
-        ("another world, circle", CIRCLE, pose.started_anywhere((1.0, 2.0, 0.0), -2.0),
+        ("another world, circle", CIRCLE, pose.relocalised(0.0, -2.0, (1.0, 2.0, 0.0)),
          "WORLDS_DIFFER", (POINTS,)),
         ("orientation constant", CIRCLE, pose.orientation_constant(), turned, tuple(WAYS)),
         ("orientation constant, to the right", TO_THE_RIGHT, pose.orientation_constant(), turned,
@@ -78,19 +79,19 @@ def faults() -> Iterator[Case]:
         ("relocalised by 25 degrees", TROT, pose.relocalised(4.02, radians(25.0)), "POSE_JUMP",
          EVERY),
         ("relocalised by 25 degrees and 0.4 m", TROT,
-         pose.relocalised(4.02, radians(25.0), (0.3, -0.25)), "POSE_JUMP", EVERY),
-        ("yaw steps by 20 degrees", TROT, pose.yaw_steps(4.02, radians(20.0)), "POSE_JUMP", EVERY),
+         pose.relocalised(4.02, radians(25.0), (0.3, -0.25, 0.0)), "POSE_JUMP", EVERY),
+        ("yaw steps by 20 degrees", TROT, pose.yaw_off(radians(20.0), 4.02), "POSE_JUMP", EVERY),
         ("yaw off by 45 degrees, tight circle", TIGHT, pose.yaw_off(radians(45.0)),
          "POSE_DIRECTION", (POINTS,)),
         ("poses of the imu's link", ON_THE_SPOT, link, "", EVERY),
         ("poses of the imu's link, circle", CIRCLE, link, "", EVERY),
-        ("a quarter of real time, feet without stamps", TROT, pose.quarter_speed(feet=True),
+        ("a quarter of real time, feet without stamps", TROT, time.quarter_speed(feet=True),
          "CLOCK_OFFSET", EVERY),
-        ("a quarter of real time, poses without stamps", TROT, pose.quarter_speed(feet=False),
+        ("a quarter of real time, poses without stamps", TROT, time.quarter_speed(feet=False),
          "CLOCK_OFFSET", EVERY),
         ("another robot's poses", TROT, pose.of_robot("other"), "POSE_OTHER_ROBOT", EVERY[:2]),
-        ("rises by 4 cm/s", TROT, world.rising(0.04), "WORLDS_DIFFER the base rises", (PLACES, TF)),
-        ("sinks by 4 cm/s uphill", UPHILL, world.rising(-0.04), "WORLDS_DIFFER the base rises by -",
+        ("rises by 4 cm/s", TROT, pose.rising(0.04), "WORLDS_DIFFER the base rises", (PLACES, TF)),
+        ("sinks by 4 cm/s uphill", UPHILL, pose.rising(-0.04), "WORLDS_DIFFER the base rises by -",
          (PLACES, TF)),
         ("planar poses uphill", UPHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
         ("planar poses downhill", DOWNHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
@@ -110,7 +111,7 @@ def sound() -> Iterator[Case]:
     corners = tuple((x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn))
                     for x, y in quadruped().corners_m)
     crab = Walk(body_yaw_rad=turn, robot=replace(quadruped(), corners_m=corners))
-    starts = pose.started_anywhere((12.0, -7.0, 0.0), radians(70.0))
+    starts = pose.relocalised(0.0, radians(70.0), (12.0, -7.0, 0.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
     gallop = Walk(gait=gaits.ROTARY_GALLOP, robot=quadruped(1.0), period_s=0.58, speed_mps=0.34)
     every = tuple(WAYS)
@@ -130,7 +131,7 @@ def sound() -> Iterator[Case]:
         ("places that are not filled in", TROT, pose.places_unfilled, (PLACES,)),
         ("a run", run, _nothing, (POINTS,)),
         ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),
-        ("noise of 2 mm", TROT, world.pose_noise(0.002), every),
+        ("noise of 2 mm", TROT, pose.pose_noise(0.002), every),
     )
     for name, walk, fault, ways in table:
         for way in ways:

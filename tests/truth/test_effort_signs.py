@@ -65,7 +65,7 @@ def test_signs_of_all_efforts(slope_rad: float, way: str) -> None:
 @pytest.mark.parametrize(
     ("way", "turned", "named"),
     [
-        ("transforms", LEG, "FR_calf_joint, FR_thigh_joint"),
+        ("transforms", LEG, "FR_calf_joint, FR_hip_joint, FR_thigh_joint"),
         ("joints", LEG[2:], "FR_calf_joint"),
         ("transforms", LEG[1:2], "FR_thigh_joint"),
     ],

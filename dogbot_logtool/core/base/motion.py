@@ -1,7 +1,7 @@
 """How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
 
 from collections.abc import Sequence
-from math import hypot, prod
+from math import hypot
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -20,12 +20,8 @@ AWAY_M: Final = 0.05
 _LOOK_HZ: Final = 5.0
 _PACE: Final = 2
 """Times the last way of `AWAY_M` that the rest of it may take."""
-_NEGLIGIBLE: Final = 0.01
-"""Share by which noise may lengthen the path before it is taken off."""
-_NORMAL_MEDIAN: Final = 0.6745
-"""Median of |x| of a normal distribution, in standard deviations."""
-_LONGEST_BLOCK: Final = 100
-"""Poses that are averaged at most: a second of them."""
+_LONGEST_BLOCK_NS: Final = 1_000_000_000
+"""ns, in which poses are averaged at most."""
 
 
 class BaseTrack(NamedTuple):
@@ -40,15 +36,11 @@ class BaseTrack(NamedTuple):
     """(s, 2) ns, time in which the robot stands."""
     travels: Ints
     """(t, 2) ns, time in which the base goes somewhere."""
-    noise_m: float
-    """m, standard deviation of the noise on one horizontal coordinate of the poses."""
     block: int
     """Poses whose mean makes one point of the path."""
 
     def path_length_m(self, moves: Flags) -> float:
-        """Return the length of the base's horizontal path above its noise, m.
-
-        Means of some poses are joined; what noise adds to each squared step is taken off.
+        """Return the length of the base's horizontal path through means of some poses each, m.
 
         Args:
             moves: (n - 1,) which steps between poses count.
@@ -62,9 +54,7 @@ class BaseTrack(NamedTuple):
         size = min(self.block, max(1, len(path) // 4))
         blocks = len(path) // size
         points = path[: blocks * size].reshape(blocks, size, 2).mean(axis=1)
-        step = np.diff(points, axis=0)
-        noise = 4.0 * self.noise_m**2 / size
-        length = float(np.sqrt(np.clip((step * step).sum(axis=1) - noise, 0.0, None)).sum())
+        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
         # The means lie half a block inside the path's ends.
         return length * (len(path) - 1) / ((blocks - 1) * size) if blocks > 1 else 0.0
 
@@ -72,11 +62,17 @@ class BaseTrack(NamedTuple):
 def base_track(
     base: BaseHistory, height_m: Floats, feet: Sequence[FootHistory], standing: Ints
 ) -> BaseTrack:
-    """Find when the base goes somewhere, and how noisy its poses are; see `BaseTrack`."""
-    travels = timespans.intersect([_away_spans(base), base.known])
-    noise = pose_noise_m(base)
-    block = _block(base, travels, noise)
-    return BaseTrack(base, height_m, feet, standing, travels, noise, block)
+    """Find when the base goes somewhere, and how many poses make a point of its path.
+
+    Their mean is taken while the base goes half of `AWAY_M`: the noise of single poses would
+    lengthen the path.
+    """
+    away, block = _away_spans(base), 1
+    if len(away):
+        lasts_ns = min(float(median_of(np.diff(away))) / 2.0, _LONGEST_BLOCK_NS)
+        block = max(1, round(lasts_ns / float(median_of(np.diff(base.time)))))
+    travels = timespans.intersect([timespans.merge(away), base.known])
+    return BaseTrack(base, height_m, feet, standing, travels, block)
 
 
 def _away_spans(base: BaseHistory) -> Ints:
@@ -95,44 +91,7 @@ def _away_spans(base: BaseHistory) -> Ints:
         # What is left of the way, as far as the base keeps its pace.
         began, ended = spans[-1]
         spans.append((ended, min(int(base.time[-1]), ended + _PACE * (ended - began))))
-    return timespans.merge(np.array(spans, np.int64).reshape(-1, 2))
-
-
-def pose_noise_m(base: BaseHistory) -> float:
-    """Return the standard deviation of white noise on the horizontal position, m.
-
-    From third divided differences, which smooth motion hardly shows in, whatever the intervals.
-    The median keeps jumps out.
-    """
-    if len(base.time) < _LONGEST_BLOCK:
-        return 0.0
-    seconds = (base.time - base.time[0]) / 1e9
-    difference = base.position[:, :2]
-    for order in (1, 2, 3):
-        apart = seconds[order:] - seconds[:-order]
-        difference = np.diff(difference, axis=0) / apart[:, None]
-    weights = _difference_weights(seconds)
-    return float(median_of(np.abs(difference) / weights[:, None])) / _NORMAL_MEDIAN
-
-
-def _difference_weights(seconds: Floats) -> Floats:
-    """(n - 3,) standard deviation of third divided differences of unit white noise, 1/s^3."""
-    count = len(seconds) - 3
-    window = [seconds[first : first + count] for first in range(4)]
-    apart = [prod(one - other for other in window if other is not one) for one in window]
-    return np.sqrt(sum(np.asarray(each) ** -2.0 for each in apart))
-
-
-def _block(base: BaseHistory, spans: Ints, noise: float) -> int:
-    """Return of how many poses the mean is taken, so that noise lengthens the path by 1 %."""
-    if noise == 0.0 or len(spans) == 0 or len(base.time) < 2:
-        return 1
-    step_s = float(median_of(np.diff(base.time))) / 1e9
-    begin, end = base.position_at(spans[:, 0]), base.position_at(spans[:, 1])
-    length = np.nansum(np.hypot(*(end - begin)[:, :2].T))
-    speed = max(float(length) / (timespans.total(spans) / 1e9), AWAY_M / 10.0)
-    size = (4.0 * noise**2 / (2.0 * _NEGLIGIBLE * (speed * step_s) ** 2)) ** (1.0 / 3.0)
-    return int(min(max(np.ceil(size), 1), _LONGEST_BLOCK))
+    return np.array(spans, np.int64).reshape(-1, 2)
 
 
 def base_motion(

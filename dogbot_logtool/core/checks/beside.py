@@ -57,10 +57,7 @@ def mounting(walk: Walk) -> Iterator[Finding]:
         cases = ("undecided",) if imu.reading in {"nothing", "unclear"} else ()
         yield found("IMU_READS", *cases, where=topic, say=imu.reading, imu=imu)
     if tilt > TILTED_DEG:
-        yield found("IMU_TURNED", where="imu.tilt_rad", say="tilted", topic=topic, tilt=tilt)
-    # A base whose poses legs tell is taken as level.
-    if imu.turned_rad is not None and not walk.settings.base_from_legs:
-        yield found("IMU_TURNED", topic=topic, degrees=np.degrees(imu.turned_rad))
+        yield found("IMU_TURNED", where="imu.tilt_rad", topic=topic, tilt=tilt)
 
 
 def forces(walk: Walk) -> Iterator[Finding]:

@@ -1,6 +1,7 @@
 """Decompression of chunks into memory that is set aside beforehand: nothing can swell."""
 
 import bz2
+import struct
 from typing import Final
 
 import lz4.block
@@ -17,7 +18,11 @@ _UNSUSPICIOUS_SIZE: Final = 32 << 20
 _MAX_RATIO: Final = 40
 """Larger chunks than `_UNSUSPICIOUS_SIZE` must not claim to shrink by more than this."""
 
+_LZ4_HEAD: Final = struct.Struct("<4sB2xI")
 _LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
+_LZ4_VERSION, _LZ4_CHECKSUM = 0x40, 0x04
+_LZ4_ANY: Final = _LZ4_CHECKSUM | 0x20
+"""Flags that a frame of one block may have: a checksum of its content, blocks by themselves."""
 _CODEC_ERRORS: Final = (
     zstandard.ZstdError,
     lz4.block.LZ4BlockError,
@@ -114,29 +119,17 @@ def _unlz4(data: memoryview, size: int) -> bytes:
 
 
 def _single_block(data: memoryview) -> tuple[memoryview, int | None] | None:
-    """Return a frame's only compressed block and its content checksum, or None if it has more.
+    """Return a frame's only compressed block and its content checksum, or None for other frames.
 
-    LZ4 frame format: magic, flags, block descriptor, optional content size (8 bytes) and
-    dictionary id (4), header checksum, then blocks led by their size, a zero size, and the
-    optional checksum of the content.
+    LZ4 frame format: magic, flags, block descriptor, header checksum, size of the block, the
+    block, a zero size, and the optional checksum of the content.
     """
-    if len(data) < 15 or bytes(data[:4]) != _LZ4_MAGIC:
+    if len(data) < _LZ4_HEAD.size:
         return None
-    flags = data[4]
-    block_checksums, content_size = flags & 0x10, flags & 0x08
-    content_checksum, dictionary = flags & 0x04, flags & 0x01
-    start = 7 + (8 if content_size else 0)
-    length = int.from_bytes(data[start : start + 4], "little")
-    end = start + 4 + length
-    tail = 8 if content_checksum else 4
-    if (
-        flags >> 6 != 1
-        or block_checksums
-        or dictionary
-        or not 0 < length < 1 << 31
-        or end + tail != len(data)
-        or any(data[end : end + 4])
-    ):
+    magic, flags, size = _LZ4_HEAD.unpack_from(data)
+    body, tail = data[_LZ4_HEAD.size :][:size], bytes(data[_LZ4_HEAD.size + size :])
+    has_checksum = bool(flags & _LZ4_CHECKSUM)
+    is_plain = magic == _LZ4_MAGIC and flags & ~_LZ4_ANY == _LZ4_VERSION
+    if not is_plain or len(tail) != 4 + 4 * has_checksum or any(tail[:4]):
         return None
-    checksum = int.from_bytes(data[end + 4 : end + 8], "little") if content_checksum else None
-    return data[start + 4 : end], checksum
+    return body, int.from_bytes(tail[4:], "little") if has_checksum else None

@@ -36,32 +36,14 @@ def lost_messages(losses: Sequence[Loss]) -> int | None:
     return sum(known) if len(known) == len(losses) else None
 
 
-class Losses:
-    """Losses in the order in which they were found; beyond a number, they are summed up."""
-
-    def __init__(self) -> None:
-        self._first: list[Loss] = []
-        self._rest: Loss | None = None
-        self._rest_count = 0
-
-    def add(self, *losses: Loss) -> None:
-        """Take some more."""
-        for loss in losses:
-            if len(self._first) < _MOST:
-                self._first.append(loss)
-                continue
-            self._rest_count += 1
-            rest = self._rest or Loss(loss.offset, "")
-            self._rest = Loss(
-                rest.offset,
-                f"{self._rest_count} more places are damaged, the first at byte {rest.offset}",
-                rest.bytes + loss.bytes,
-                lost_messages([rest, loss]),
-            )
-
-    def all(self) -> tuple[Loss, ...]:
-        """Return all losses."""
-        return (*self._first, self._rest) if self._rest else tuple(self._first)
+def summed_up(losses: Sequence[Loss]) -> tuple[Loss, ...]:
+    """Return losses in the order in which they were found, those beyond a number as one."""
+    first, rest = losses[:_MOST], losses[_MOST:]
+    if not rest:
+        return (*first,)
+    what = f"{len(rest)} more places are damaged, the first at byte {rest[0].offset}"
+    size = sum(loss.bytes for loss in rest)
+    return (*first, Loss(rest[0].offset, what, size, lost_messages(rest)))
 
 
 class Damage(NamedTuple):

@@ -29,7 +29,7 @@ from dogbot_logtool.reader.containers.log import (
     counts_by_channel,
     time_range,
 )
-from dogbot_logtool.reader.containers.loss import Loss, Losses
+from dogbot_logtool.reader.containers.loss import Loss, summed_up
 from dogbot_logtool.reader.containers.salvage.content import (
     ChunkContent,
     ChunkDamage,
@@ -98,7 +98,7 @@ class RecordLog(Log):
         self.descriptions = Descriptions(describe)
         self.chunks: list[Chunk] = []
         self.extras: list[Extra] = []
-        self._losses = Losses()
+        self._losses: list[Loss] = []
         self._index_entries: dict[int, IndexEntry] = {}
         """By offset of the chunk."""
         self._outside: list[tuple[int, int]] = []
@@ -169,19 +169,19 @@ class RecordLog(Log):
             problem: what is wrong with the index.
         """
         if problem is not None:
-            self._losses.add(problem)
+            self._losses.append(problem)
         offset = len(self.magic)
         while offset < self.source.size:
             following = self._step(offset)
             offset = self._search(offset) if following is None else following
         self._read_chunks()
-        self._losses.add(*self._take_outside())
+        self._losses += self._take_outside()
         self.channels = self._described_channels()
         self.chunks = [self._without_undescribed(chunk) for chunk in self.chunks]
         self.counts = self._counted()
         self.start_time, self.end_time = time_range(self.chunks)
         self._conclude()
-        self.losses = self._losses.all()
+        self.losses = summed_up(self._losses)
 
     def _take_outside(self) -> list[Loss]:
         """Take the descriptions that stand outside of chunks; return what to say of them."""
@@ -207,7 +207,7 @@ class RecordLog(Log):
             what = f"the last {count} bytes, from byte {offset} on, are no whole record"
         else:
             what = f"the {count} bytes from byte {offset} on are no record"
-        self._losses.add(Loss(offset, what, count, None))
+        self._losses.append(Loss(offset, what, count, None))
         return following
 
     def _end(self, offset: int) -> int:
@@ -215,7 +215,7 @@ class RecordLog(Log):
         rest = self.source.size - offset
         if rest:
             what = f"the {rest} bytes behind the end of the recording were left out"
-            self._losses.add(Loss(offset, what, rest, None))
+            self._losses.append(Loss(offset, what, rest, None))
         return self.source.size
 
     def _take_chunk(self, chunk: Chunk, derived_end: int) -> int:
@@ -310,7 +310,7 @@ class RecordLog(Log):
                     f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
                     "belong to a damaged chunk"
                 )
-                self._losses.add(Loss(chunk.offset, what, chunk.size, None))
+                self._losses.append(Loss(chunk.offset, what, chunk.size, None))
                 continue
             entry = self._index_entries.get(chunk.offset)
             known = entry.added_to(chunk) if entry else chunk
@@ -321,12 +321,12 @@ class RecordLog(Log):
                 behind_damage = True
                 is_cut = chunk.offset == self._cut_off
                 what = "it is cut off by the end of the file" if is_cut else str(damage)
-                self._losses.add(left_out(known, ChunkDamage(what, damage.messages)))
+                self._losses.append(left_out(known, ChunkDamage(what, damage.messages)))
 
     def _read_chunk(self, chunk: Chunk) -> Chunk:
         content = self._content(chunk)
         losses = self.descriptions.add(content.described, chunk.offset)
-        self._losses.add(*content.losses, *losses)
+        self._losses += [*content.losses, *losses]
         times = content.messages.log_time
         start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
         return chunk._replace(
@@ -340,7 +340,7 @@ class RecordLog(Log):
         if len(known) < len(counts):
             messages = self._content(chunk).messages
             strange = ~np.isin(messages.channel, [*self.channels])
-            self._losses.add(undescribed(chunk, messages.pick(strange)))
+            self._losses.append(undescribed(chunk, messages.pick(strange)))
         return chunk._replace(counts=known)
 
     # Read them.

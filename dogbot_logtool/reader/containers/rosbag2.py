@@ -1,7 +1,7 @@
 """ROS 2 bags: a directory of files, and a metadata.yaml that names them."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -78,8 +78,8 @@ def _unquoted(text: str) -> str:
 
 OpenFile = Callable[[Location, str], Log]
 """Opens a file of a bag, given the distribution of ROS 2 that recorded it; empty: not known."""
-_Files = tuple[list[Location], list[Loss], Metadata | None]
-"""Of a bag: its files, what is said of them, and its metadata if that can be used."""
+_Files = tuple[list[Location], list[Loss]]
+"""Of a bag: its files, and what is said of them."""
 
 
 def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
@@ -95,21 +95,23 @@ def open_rosbag2(path: Location, open_file: OpenFile) -> Log:
         CallError: there are no log files in it.
         LogError: none of its files can be read.
     """
+    present = {file.name: file for file in files_in(path)}
     try:
-        files, losses, metadata = _named_files(path, read_metadata(path))
+        metadata = read_metadata(path)
+        files, losses = _named_files(present, metadata)
     except UnusableMetadata as error:
-        files, losses, metadata = _numbered_files(path, str(error))
+        metadata = Metadata((), "", None)
+        files, losses = _numbered_files(path, present, str(error))
     logs: list[Log] = []
     for file in files:
         try:
-            logs.append(open_file(file, metadata.distribution if metadata else ""))
+            logs.append(open_file(file, metadata.distribution))
         except (LogError, CallError) as error:
             losses.append(Loss(0, f"a file of the bag was left out: {error}", 0, None))
     if not logs:
         reason = losses[0].what if losses else f"{ROSBAG2_METADATA} names no files"
         raise LogError(f"{name_of(path)}: nothing of this ROS 2 bag can be read: {reason}")
-    if metadata is not None:
-        losses.extend(_compare_counts(metadata, logs, losses))
+    losses += _compare_counts(metadata.messages, logs, losses)
     for log, following in pairwise(logs):
         log.losses = tuple(_before(loss, following) for loss in log.losses)
     joined = JoinedLog(path, logs, losses)
@@ -124,43 +126,56 @@ def _before(loss: Loss, following: Log) -> Loss:
     return loss._replace(end_time=following.start_time) if is_open else loss
 
 
-def _named_files(folder: Location, metadata: Metadata) -> _Files:
+def _named_files(present: Mapping[str, Location], metadata: Metadata) -> _Files:
     """Return the files that metadata names; say which are missing, and which it does not name."""
-    present = {file.name: file for file in files_in(folder)}
-    logs = [name for name, file in present.items() if _is_log(file)]
-    if logs and not any(_present(present, name) for name in metadata.files):
+    logs = [name for name in present if _is_log(name)]
+    found = [_present(present, name) for name in metadata.files]
+    if logs and not any(found):
         raise UnusableMetadata("it names none of the files that are there")
-    files: dict[str, Location] = {}
-    losses: list[Loss] = []
-    for name in metadata.files:
-        file = _present(present, name)
-        if file is None:
-            base = Path(name).name[:_LONGEST_NAME]
-            what = f"{ROSBAG2_METADATA} names {base}, which is not there"
-            losses.append(Loss(0, what, 0, None if metadata.messages is None else 0))
-        else:
-            files[file.name] = file
+    missing = [
+        Path(name).name for name, file in zip(metadata.files, found, strict=True) if not file
+    ]
+    files = {file.name: file for file in found if file}
     named = {name.removesuffix(_PACKED) for name in files}
-    for name in logs:
-        if name.removesuffix(_PACKED) not in named:
-            what = f"{ROSBAG2_METADATA} does not name {name}, so it was left out"
-            losses.append(Loss(0, what, 0, None))
-    return list(files.values()), losses, metadata
+    unnamed = [name for name in logs if name.removesuffix(_PACKED) not in named]
+    lost = None if metadata.messages is None else 0
+    whats = (
+        *((f"names {name[:_LONGEST_NAME]}, which is not there", lost) for name in missing),
+        *((f"does not name {name}, so it was left out", None) for name in unnamed),
+    )
+    losses = [Loss(0, f"{ROSBAG2_METADATA} {what}", 0, count) for what, count in whats]
+    return list(files.values()), losses
+
+
+def _numbered_files(folder: Location, present: Mapping[str, Location], reason: str) -> _Files:
+    """Take all log files in the order of their numbers, none both compressed and decompressed."""
+    names = [
+        name
+        for name in present
+        if _is_log(name) and not (name.endswith(_PACKED) and name.removesuffix(_PACKED) in present)
+    ]
+    if not names:
+        raise CallError(
+            f"{name_of(folder)}: is a directory, not a log file, and holds no ROS 2 bag"
+        )
+    what = f"{ROSBAG2_METADATA} cannot be used ({reason}); the files were taken by their names"
+    return [present[name] for name in sorted(names, key=_by_number)], [Loss(0, what)]
 
 
 def _compare_counts(
-    metadata: Metadata, logs: Sequence[Log], losses: Sequence[Loss]
-) -> Iterator[Loss]:
+    promised: int | None, logs: Sequence[Log], losses: Sequence[Loss]
+) -> Sequence[Loss]:
     """Say where the files hold another number of messages than is promised.
 
     Messages that other losses explain are not counted twice.
     """
-    promised, found = metadata.messages, sum(sum(log.counts.values()) for log in logs)
-    if promised is not None and promised != found:
-        known = lost_messages([*losses, *(loss for log in logs for loss in log.losses)])
-        missing = 0 if known is None else max(promised - found - known, 0)
-        what = f"{ROSBAG2_METADATA} counts {promised} messages, but {found} were found"
-        yield Loss(0, what, 0, missing)
+    found = sum(sum(log.counts.values()) for log in logs)
+    if promised is None or promised == found:
+        return ()
+    known = lost_messages([*losses, *(loss for log in logs for loss in log.losses)])
+    missing = 0 if known is None else max(promised - found - known, 0)
+    what = f"{ROSBAG2_METADATA} counts {promised} messages, but {found} were found"
+    return (Loss(0, what, 0, missing),)
 
 
 def _present(files: Mapping[str, Location], name: str) -> Location | None:
@@ -169,32 +184,14 @@ def _present(files: Mapping[str, Location], name: str) -> Location | None:
     Whatever the name says, the file is in the bag's own directory.
     """
     base = Path(name).name
-    for candidate in (base, base + _PACKED, base.removesuffix(_PACKED)):
-        if candidate in files:
-            return files[candidate]
-    return None
-
-
-def _numbered_files(folder: Location, reason: str) -> _Files:
-    """Take all log files in the order of their numbers, none both compressed and decompressed."""
-    found = {file.name: file for file in files_in(folder) if _is_log(file)}
-    if not found:
-        raise CallError(
-            f"{name_of(folder)}: is a directory, not a log file, and holds no ROS 2 bag"
-        )
-    names = [
-        name
-        for name in found
-        if not (name.endswith(_PACKED) and name.removesuffix(_PACKED) in found)
-    ]
-    what = f"{ROSBAG2_METADATA} cannot be used ({reason}); the files were taken by their names"
-    return [found[name] for name in sorted(names, key=_by_number)], [Loss(0, what, 0, 0)], None
+    candidates = (base, base + _PACKED, base.removesuffix(_PACKED))
+    return next((files[each] for each in candidates if each in files), None)
 
 
 def _by_number(name: str) -> tuple[list[int], str]:
     return [int(digits) for digits in re.findall(r"\d{1,18}", name)], name
 
 
-def _is_log(file: Location) -> bool:
-    name = file.name.removesuffix(_PACKED)
+def _is_log(name: str) -> bool:
+    name = name.removesuffix(_PACKED)
     return name.endswith(ROSBAG2_SUFFIXES) and not name.endswith(ANNOTATED)

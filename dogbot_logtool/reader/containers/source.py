@@ -3,20 +3,12 @@
 import errno
 import os
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Final
 
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
-
-_BLOCK: Final = 512
-"""Bytes that systems count the space of files in."""
-
-
-_AT_ONCE: Final = 1000
-"""Ranges that are fetched together: stores answer slowly."""
 
 
 class ByteSource:
@@ -76,16 +68,14 @@ class ByteSource:
 
     def written_size(self) -> int:
         """Return how many bytes were ever written; the others are holes, and read as zeros."""
-        blocks = getattr(os.fstat(self._descriptor), "st_blocks", 0) * _BLOCK
-        if blocks >= self.size // 2 or not hasattr(os, "SEEK_DATA"):
-            return self.size
-        # Some filesystems count no blocks, or late.
         written = end = 0
         try:
             while end < self.size:
                 start = os.lseek(self._descriptor, end, os.SEEK_DATA)
                 end = os.lseek(self._descriptor, start, os.SEEK_HOLE)
                 written += end - start
+        except AttributeError:  # Windows
+            return self.size
         except OSError as error:
             return written if error.errno == errno.ENXIO else self.size
         return written
@@ -100,12 +90,6 @@ class ByteSource:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-
-def in_groups(source: ByteSource, ranges: Sequence[tuple[int, int]]) -> Iterator[bytes]:
-    """Yield what `read` gives for each of many (offset, size), fetching some at once."""
-    for start in range(0, len(ranges), _AT_ONCE):
-        yield from source.read_many(ranges[start : start + _AT_ONCE])
 
 
 def copied(path: Location, size: int, pieces: Iterable[tuple[int, bytes]]) -> ByteSource:

@@ -14,11 +14,11 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, concatenated, nearest_rows, norms, percentiles_of
-from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
+from dogbot_logtool.core.corrections.sensor import SensorLevel, Thresholds, estimate_level
 from dogbot_logtool.core.recording import Recording, has_own_stamps
+from dogbot_logtool.core.sensors import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.foot import Foot
@@ -151,7 +151,11 @@ def _contact_level(samples: Samples) -> tuple[float, float, str]:
         both, and why these say nothing; empty: they do.
     """
     level = _level(samples)
-    rule, offset, loaded = contact_rule(level, None), float(level.offset_n[2]), level.loaded_n
+    rule, offset, loaded = (
+        contact_rule(level, None, Thresholds(), None),
+        float(level.offset_n[2]),
+        level.loaded_n,
+    )
     down = float((samples.force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
     why = level.reason
     if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):

@@ -95,7 +95,8 @@ def _rounded(point: Point) -> Point:
 
 def robot_shape(walk: Walk) -> RobotShape:
     """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
-    stances = {foot: _rounded(point) for foot, point in walk.frames.stances.items()}
+    found = walk.frames.stances(walk.recording.feet)
+    stances = {foot: _rounded(point) for foot, point in found.items()}
     length = height = body_size_m(walk.settings.mass_kg)[0]
     if stances:
         points = np.array(list(stances.values()))

@@ -1,7 +1,9 @@
 """The page that shows two sides side by side."""
 
 import copy
+import json
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,9 @@ from dogbot_logtool.core.records import to_json, unknown
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures
+from tests.forked_cli import Ended, run
+from tests.paths import TROT as BAG
+from tests.paths import WALK as MCAP
 from tests.truth import gaits
 from tests.truth.gaits import Gait
 from tests.truth.log_file import write_log
@@ -94,3 +99,39 @@ def test_what_is_not_known_is_left_out(measured: dict[str, Figures]) -> None:
     html = comparison_page(found, ([blind], [blind])).decode()
     assert "<rect" not in html
     assert "no curves" in html
+
+
+# --- The command ----------------------------------------------------------------------------------
+
+
+def against(folder: Path, *words: object) -> Ended:
+    return run("report", words[0], "--against", *words[1:], "--jobs", 1, folder=folder)
+
+
+def test_a_page_of_two_groups(tmp_path: Path) -> None:
+    for log in ("yesterday/1.bag", "today/1.bag", "today/2.bag"):
+        (tmp_path / log).parent.mkdir(exist_ok=True)
+        shutil.copy(BAG, tmp_path / log)
+    ended = against(tmp_path, "yesterday", "today", "-o", "both.html", "--json")
+    assert ended.returncode == 0
+    found = json.loads(ended.stdout)
+    assert found["comparable"]
+    assert [len(found[side]) for side in ("first", "second")] == [1, 2]
+    assert not any(each["differs"] for each in found["differences"])
+    assert "both.html: 0 of 56 metrics differ" in ended.stderr
+    assert (tmp_path / "both.html").stat().st_size == found["bytes"]
+
+
+def test_what_cannot_be_compared_or_written(tmp_path: Path) -> None:
+    ended = against(tmp_path, BAG, MCAP)
+    assert ended.returncode == 0
+    assert "not comparable: the gaits differ: trot against walk" in ended.stderr
+    page = tmp_path / "dogbot_trot.against.html"
+    page.write_text("mine")
+    assert against(tmp_path, BAG, MCAP).returncode == 2
+    assert page.read_text() == "mine"
+    (tmp_path / "bad.bag").write_bytes(b"#ROSBAG V2.0\n")
+    ended = against(tmp_path, BAG, "bad.bag", "-o", "none.html")
+    assert ended.returncode == 1
+    assert "1 of 2 logs could not be done" in ended.stderr
+    assert not (tmp_path / "none.html").exists()

@@ -143,35 +143,8 @@ class Record:
         return op in _FIELDS
 
 
-def record_bounds(data: bytes | memoryview, offset: int, end: int) -> tuple[int, int]:
-    """Return where a record in memory has the end of its header, and its own.
-
-    Args:
-        data: bytes that hold it.
-        offset: where it begins.
-        end: where it must end at the latest.
-
-    Raises:
-        MalformedRecord: there is no whole record.
-    """
-    header_end = record_end = end + 1
-    if offset + 4 <= end:
-        header_end = offset + 4 + U32.unpack_from(data, offset)[0]
-    if header_end + 4 <= end:
-        record_end = header_end + 4 + U32.unpack_from(data, header_end)[0]
-    if record_end > end:
-        raise MalformedRecord("a record is cut off")
-    return header_end, record_end
-
-
-def record_at(data: bytes | memoryview, offset: int, end: int) -> Record:
-    """Read the header of a record in memory; arguments and errors are those of `record_bounds`."""
-    header_end, record_end = record_bounds(data, offset, end)
-    return Record(data[offset + 4 : header_end], header_end + 4, record_end)
-
-
 def record_in_file(read: Read, offset: int, head: bytes = b"") -> Record:
-    """Read the header of a record in the file; its data may reach beyond the file's end.
+    """Read the header of a record; its data may reach beyond the file's end.
 
     Args:
         read: reads the file.
@@ -192,6 +165,18 @@ def record_in_file(read: Read, offset: int, head: bytes = b"") -> Record:
     (data_size,) = U32.unpack_from(head, 4 + header_size)
     data = offset + 8 + header_size
     return Record(memoryview(head)[4 : 4 + header_size], data, data + data_size)
+
+
+def record_at(data: bytes | memoryview, offset: int) -> Record:
+    """Read the header of a record in memory.
+
+    Raises:
+        MalformedRecord: there is no whole record.
+    """
+    record = record_in_file(lambda start, size: bytes(data[start : start + size]), offset)
+    if record.end > len(data):
+        raise MalformedRecord("a record is cut off")
+    return record
 
 
 class BagFormat:
@@ -233,7 +218,7 @@ class BagFormat:
             rows, left = left[:1], left[1:]
             first = int(offset[rows[0]])
             try:
-                record = record_at(records.data, first, len(records))
+                record = record_at(records.data, first)
                 op = record.op()
                 is_message = op == BagOp.MESSAGE and record.is_sound()
             except MalformedRecord:

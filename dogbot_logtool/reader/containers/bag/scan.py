@@ -21,7 +21,7 @@ from dogbot_logtool.reader.containers.bag.records import (
 )
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Schema, time_range
-from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.loss import Loss, summed_up
 from dogbot_logtool.reader.containers.record_log import (
     IndexEntry,
     RecordLog,
@@ -31,7 +31,7 @@ from dogbot_logtool.reader.containers.record_log import (
 )
 from dogbot_logtool.reader.containers.registry import BAG_MAGIC
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.source import ByteSource, in_groups
+from dogbot_logtool.reader.containers.source import ByteSource
 
 _MOST_CONNECTIONS: Final = 0xFFFF
 """As many as an MCAP can have channels: they are numbered from 0 on."""
@@ -80,7 +80,7 @@ class BagLog(RecordLog):
             raise UnusableIndex(Loss(start, what)) from fault
         self.counts = self._counted()
         self.start_time, self.end_time = time_range([c for c in self.chunks if c.messages])
-        self.losses = self._losses.all()
+        self.losses = summed_up(self._losses)
 
     def _take_info(self, record: Record) -> None:
         """Take what an index record says of a chunk.
@@ -100,7 +100,7 @@ class BagLog(RecordLog):
         """Return the chunks that the index names, by their offsets."""
         entries = sorted(self._index_entries.items())
         offsets = [offset for offset, _ in entries]
-        heads = in_groups(self.source, [(offset, HEAD_SIZE) for offset in offsets])
+        heads = self.source.read_many([(offset, HEAD_SIZE) for offset in offsets])
         chunks: dict[int, Chunk] = {}
         for (offset, entry), end, head in zip(
             entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
@@ -231,7 +231,7 @@ def _chunk(offset: int, record: Record) -> Chunk:
 def _connection(record: bytes) -> Description | None:
     """Decode a connection record: its data is the header that the publisher sent."""
     try:
-        found = record_at(record, 0, len(record))
+        found = record_at(record, 0)
         number = found.number("conn")
         # The topic of the record is the one under which it was recorded, after any remapping.
         topic = found.raw("topic").decode("utf-8", "replace")
@@ -249,7 +249,7 @@ def _connection(record: bytes) -> Description | None:
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
     try:
-        record = record_at(behind, offset, len(behind))
+        record = record_at(behind, offset)
         if record.op() != BagOp.INDEX:
             return None
         connection = record.number("conn")

@@ -16,7 +16,7 @@ from dogbot_logtool.reader.containers.log import (
     Schema,
     time_range,
 )
-from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages, summed_up
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     CHUNK_HEAD_SIZE,
@@ -29,6 +29,7 @@ from dogbot_logtool.reader.containers.mcap.records import (
     is_chunk,
 )
 from dogbot_logtool.reader.containers.mcap.summary import (
+    DAMAGED_SUMMARY,
     FOOTER_SIZE,
     check_data,
     indexed_chunk,
@@ -43,7 +44,7 @@ from dogbot_logtool.reader.containers.record_log import (
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
-from dogbot_logtool.reader.containers.source import ByteSource, in_groups
+from dogbot_logtool.reader.containers.source import ByteSource
 
 _NO_ACCIDENT: Final = 4
 """So many messages behind each other are believed, though their channel is not described yet."""
@@ -77,15 +78,10 @@ class McapLog(RecordLog):
         """See `RecordLog.use_index`."""
         self._passed_from = LARGEST_OPCODE + 1
         footer = read_footer(self.source)
-        if isinstance(footer, Loss):
-            raise UnusableIndex(footer)
         start = footer.summary_start
-        if not start:
-            raise UnusableIndex
         end = self.source.size - FOOTER_SIZE - len(MCAP_MAGIC)
         if not self._holds(start, end, {}) or self._take_outside():
-            what = "the summary is damaged; the log was read without it"
-            raise UnusableIndex(Loss(start, what))
+            raise UnusableIndex(Loss(start, DAMAGED_SUMMARY))
         self.channels = self._described_channels()
         statistics = self._statistics
         if statistics is None or self._without_schema() or not self._is_complete(statistics):
@@ -97,7 +93,7 @@ class McapLog(RecordLog):
         filled = [chunk for chunk in self.chunks if chunk.messages != 0]
         self.start_time, self.end_time = time_range(filled)
         self._conclude()
-        self.losses = self._losses.all()
+        self.losses = summed_up(self._losses)
 
     def _is_complete(self, statistics: records.Statistics) -> bool:
         """Tell whether a summary with some statistics has all that opening a log needs."""
@@ -113,7 +109,6 @@ class McapLog(RecordLog):
         """Tell whether the summary agrees with itself and with the file."""
         self._outside = []
         named = {chunk.offset: chunk for chunk in self._named}
-        heads = in_groups(self.source, [(offset, CHUNK_HEAD_SIZE) for offset in named])
         stated = Counter(statistics.channel_message_counts)
         is_counted = all(chunk.counts is not None for chunk in self._named)
         return bool(
@@ -121,14 +116,19 @@ class McapLog(RecordLog):
             and len(named) == len(self._named)
             # To ask a store for the header of each chunk takes longer than all else.
             and (
-                (footer.summary_crc and not self.source.has_cheap_seeks)
-                or all(map(_is_head_of, heads, self._named))
+                (footer.summary_crc and not self.source.has_cheap_seeks) or self._heads_agree(named)
             )
             and self._holds(len(MCAP_MAGIC), footer.summary_start, named)
             and (not is_counted or Counter(self._counted()) == stated)
             and len(self.extras) == statistics.attachment_count + statistics.metadata_count
             and not self._take_outside()
         )
+
+    def _heads_agree(self, named: Mapping[int, Chunk]) -> bool:
+        """Tell whether the chunks' own headers are as their indexes say."""
+        heads = self.source.read_many([(offset, CHUNK_HEAD_SIZE) for offset in named])
+        found = map(chunk_at, named, heads)
+        return all(own and _are_alike(own, named[own.offset]) for own in found)
 
     def _step(self, offset: int) -> int | None:
         size = self.source.size
@@ -245,8 +245,8 @@ class McapLog(RecordLog):
     def _conclude(self) -> None:
         if not self._has_header:
             what = "the header is damaged, so that the log's profile is not known"
-            self._losses.add(Loss(len(MCAP_MAGIC), what))
-        self._losses.add(*self._without_schema())
+            self._losses.append(Loss(len(MCAP_MAGIC), what))
+        self._losses += self._without_schema()
         if self._statistics is not None:
             self._compare_statistics(self._statistics)
         if self._data_end is not None:
@@ -255,18 +255,18 @@ class McapLog(RecordLog):
             if loss is not None:
                 # Outside chunks, a message may be lost without a trace.
                 unknown = bare and self._statistics is None
-                self._losses.add(loss._replace(messages=None) if unknown else loss)
+                self._losses.append(loss._replace(messages=None) if unknown else loss)
         elif self._closed:
             what = "the record that ends the log's data is missing, and maybe others before it"
-            self._losses.add(Loss(self.source.size, what, 0, None))
+            self._losses.append(Loss(self.source.size, what, 0, None))
 
     def _compare_statistics(self, statistics: records.Statistics) -> None:
         stated, found = statistics.message_count, sum(self.counts.values())
         if stated != found:
-            known_lost = lost_messages(self._losses.all())
+            known_lost = lost_messages(self._losses)
             explained = known_lost is None or stated <= found + known_lost
             what = f"the summary counts {stated} messages, but {found} were found"
-            self._losses.add(Loss(0, what, 0, 0 if explained else None))
+            self._losses.append(Loss(0, what, 0, 0 if explained else None))
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
@@ -277,12 +277,6 @@ def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
     if opcode != Opcode.MESSAGE_INDEX or not start + size <= end <= len(behind):
         return None
     return channel, behind[start : start + size], end
-
-
-def _is_head_of(head: bytes, chunk: Chunk) -> bool:
-    """Tell whether a chunk's own header, given by its first bytes, is as its index says."""
-    own = chunk_at(chunk.offset, head)
-    return own is not None and _are_alike(own, chunk)
 
 
 def _are_alike(own: Chunk, chunk: Chunk) -> bool:

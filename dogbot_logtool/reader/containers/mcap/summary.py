@@ -12,31 +12,37 @@ from dogbot_logtool.io.mcap_layout import RECORD_HEAD
 from dogbot_logtool.reader.containers.log import Chunk
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.mcap.records import CHUNK_HEAD, decode_record
+from dogbot_logtool.reader.containers.record_log import UnusableIndex
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
 from dogbot_logtool.reader.containers.source import ByteSource
 
 FOOTER_SIZE: Final = RECORD_HEAD.size + 20
 _DATA_END_SIZE: Final = RECORD_HEAD.size + 4
 _PIECE: Final = 1 << 20
+DAMAGED_SUMMARY: Final = "the summary is damaged; the log was read without it"
 
 
-def read_footer(source: ByteSource) -> records.Footer | Loss:
-    """Read the footer; a loss says why there is no summary that can be trusted.
+def read_footer(source: ByteSource) -> records.Footer:
+    """Read the footer of a file with a summary whose checksum, if it has one, holds.
 
-    If it has a checksum, that holds.
+    Raises:
+        UnusableIndex: there is none that can be trusted.
     """
     offset = source.size - len(MCAP_MAGIC) - FOOTER_SIZE
     tail = source.read(offset, FOOTER_SIZE + len(MCAP_MAGIC))
     if len(tail) < FOOTER_SIZE + len(MCAP_MAGIC) or not tail.endswith(MCAP_MAGIC):
-        return Loss(source.size, "the file has no end mark: its recording was cut off")
+        what = "the file has no end mark: its recording was cut off"
+        raise UnusableIndex(Loss(source.size, what))
     opcode, length = RECORD_HEAD.unpack_from(tail)
     footer = decode_record(records.Footer, tail[RECORD_HEAD.size : FOOTER_SIZE])
     if opcode != Opcode.FOOTER or length != FOOTER_SIZE - RECORD_HEAD.size or footer is None:
-        return Loss(offset, "the footer is damaged")
+        raise UnusableIndex(Loss(offset, "the footer is damaged"))
     start = footer.summary_start
     crc = _checksum(source, start or offset, offset + FOOTER_SIZE - 4) if footer.summary_crc else 0
     if crc != footer.summary_crc:
-        return Loss(start, "the summary is damaged; the log was read without it")
+        raise UnusableIndex(Loss(start, DAMAGED_SUMMARY))
+    if not start:
+        raise UnusableIndex
     return footer
 
 
