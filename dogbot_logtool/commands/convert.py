@@ -4,11 +4,7 @@ from collections import Counter
 from functools import partial
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_planned
-from dogbot_logtool.conversion.annotated_log import (
-    AnnotatedLog,
-    channels_left_out,
-    copied_chunks,
-)
+from dogbot_logtool.conversion.annotated_log import AnnotatedLog, channels_left_out, copied_chunks
 from dogbot_logtool.conversion.findings import copy_findings, count_findings
 from dogbot_logtool.conversion.scene import Scene, make_scene
 from dogbot_logtool.core.base.poses import usable_poses

@@ -13,7 +13,7 @@ from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.recorded import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
-from dogbot_logtool.core.prepared import LARGEST
+from dogbot_logtool.core.recording import LARGEST
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import damage_of

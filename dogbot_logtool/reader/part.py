@@ -10,8 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_foot
-from dogbot_logtool.core.prepared import plausible
-from dogbot_logtool.core.recording import MOST_JOINTS, JointTable, Times
+from dogbot_logtool.core.recording import MOST_JOINTS, JointTable, Times, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.messages.bases import Base, BasePoses

@@ -24,8 +24,17 @@ from tests.oracles.annotated_file import (
 from tests.oracles.conversion import xyz
 from tests.oracles.frames import Frames, turn_of
 from tests.oracles.recorded import S
-from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
-from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
+from tests.oracles.small_logs import (
+    BASE,
+    CONTACTS,
+    FEET,
+    LIFTED,
+    LIFTED_S,
+    START,
+    first_seconds,
+    write_log,
+    write_standing_log,
+)
 from tests.paths import ROOT, TROT
 from tests.truth import physics
 from tests.truth.free_walker import trot

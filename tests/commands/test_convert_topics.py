@@ -26,7 +26,7 @@ from tests.oracles.recorded import (
     contact_topic,
     load_topic,
 )
-from tests.oracles.ros1_logs import (
+from tests.oracles.small_logs import (
     contact,
     contacts,
     odometry,

@@ -9,9 +9,9 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.motion import down_spans
 from dogbot_logtool.core.checks.base import feet_agree
-from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
+from dogbot_logtool.core.sensors import HEAVILY_FILTERED
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.prepared import plausible
+from dogbot_logtool.core.recording import plausible
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.paths import FieldPath, parse_field_path

@@ -5,16 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    Floats,
-    concatenated,
-    header_time,
-    picked,
-    rows_by_group,
-)
+from dogbot_logtool.core.arrays import Floats, concatenated, header_time, picked, rows_by_group
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
-from dogbot_logtool.core.prepared import plausible_translations
-from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples
+from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, malformed_in
@@ -162,14 +155,15 @@ def _transforms(
     table, paths = messages.table, source.paths
     (message, parents), (_, children) = (path.texts(table) for path in paths["choose"])
     (parent, parent_names), (child, child_names) = parents.encode(), children.encode()
-    whole = Transforms(
+    recorded = Transforms(
         channel=messages.channel[message],
         static=np.full(len(message), static),
         log_time=messages.log_time[message],
         stamp=paths["stamp"][0].times(table),
-        translation=plausible_translations(paths["position"][0].all_values(table)),
+        translation=paths["position"][0].all_values(table),
         rotation=paths["orientation"][0].all_values(table),
     )
+    whole, _ = plausible(recorded)
     frames = [name.lstrip("/") for name in (*parent_names, *child_names)]
     # Names that differ in leading slashes only are those of one frame.
     number = {name: row for row, name in enumerate(dict.fromkeys(frames))}
