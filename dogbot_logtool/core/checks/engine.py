@@ -24,7 +24,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (recorded, base, sensors, feet)
+MODULES: Final = (base, sensors, feet, recorded)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
