@@ -14,7 +14,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.options.convert import ConvertOptions
-from tests.commands.conversions import codes
+from tests.commands.test_convert import codes
 from tests.oracles import walks
 from tests.oracles.annotated_file import (
     Written,

@@ -12,7 +12,7 @@ from dogbot_logtool.conversion import annotated_log
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
-from tests.commands.conversions import codes, converted
+from tests.commands.test_convert import codes, converted
 from tests.measured import measured
 from tests.oracles.annotated_file import read_written
 from tests.oracles.recorded import (
