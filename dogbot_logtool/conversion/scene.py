@@ -21,8 +21,7 @@ from dogbot_logtool.core.scene.arrows import (
     ArrowStyle,
     arrow_scale,
 )
-from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
-from dogbot_logtool.core.scene.loads import opening_load, silences
+from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot, opening_load, silences
 from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding

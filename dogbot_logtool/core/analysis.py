@@ -24,8 +24,7 @@ from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
-from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
-from dogbot_logtool.core.gait.support import standing_in, support
+from dogbot_logtool.core.gait.strides import any_strides, standing_in, support, typical_period_s
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.loads import dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Log
@@ -37,7 +36,7 @@ from dogbot_logtool.core.walk_metrics import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.swings import LegSettings
+    from dogbot_logtool.core.legs.joints import LegSettings
 
 NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
 """What was read, for columns that come from no log."""

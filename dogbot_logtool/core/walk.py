@@ -17,8 +17,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.gait.strides import typical_period_s
-from dogbot_logtool.core.gait.support import Standing, Support, support
+from dogbot_logtool.core.gait.strides import Standing, Support, support, typical_period_s
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads, loads_of
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics

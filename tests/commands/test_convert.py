@@ -47,7 +47,7 @@ from tests.oracles.conversion import (
     expected_poses,
 )
 from tests.oracles.recorded import BODY_WEIGHT_N, FEET, arrow_topic, read_log
-from tests.oracles.ros1_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
+from tests.oracles.small_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
 from tests.paths import TROT, TROUBLED, WALK
 
 COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)

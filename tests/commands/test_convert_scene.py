@@ -33,19 +33,21 @@ from tests.oracles.recorded import (
     arrow_topic,
     load_topic,
 )
-from tests.oracles.ros1_logs import (
+from tests.oracles.small_logs import (
     BASE,
+    CONTACTS,
     FEET,
     LIFTED,
     LIFTED_S,
     START,
+    first_seconds,
     small_walk,
     text,
     transform,
     write_bag,
+    write_log,
     write_standing_log,
 )
-from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
 from tests.oracles.walks import Entry
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.truth import physics
