@@ -25,6 +25,7 @@ from dogbot_logtool.core.arrays import (
     means_by_group,
     median_of,
     percentiles_of,
+    rows_of_runs,
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.stances import (
@@ -311,10 +312,9 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     edges = np.flatnonzero(rises)
     since = edges[np.searchsorted(edges, begins, side="right") - 1]
     earliest = np.searchsorted(time, time[begins] - round(LONGEST_RISE_S * 1e9))
-    change = np.zeros(len(contact) + 1, np.int32)
-    np.add.at(change, np.minimum(np.maximum(since, earliest), begins), 1)
-    np.add.at(change, begins, -1)
-    return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
+    dated = contact.copy()
+    dated[rows_of_runs(np.minimum(np.maximum(since, earliest), begins), begins)[0]] = True
+    return dated
 
 
 def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
@@ -376,6 +376,7 @@ def find_stances(
 
 def rows_in_stances(starts: Ints, ends: Ints, contact: Flags) -> Flags:
     """(n,) whether rows are in stances; the last one is where the log ends in contact."""
-    down = timespans.covers(np.stack([starts, ends], axis=1), np.arange(len(contact)))
+    down = np.zeros(len(contact), np.bool_)
+    down[rows_of_runs(starts, ends)[0]] = True
     down[-1:] |= contact[-1:]
     return down

@@ -156,8 +156,8 @@ class ContactRule(NamedTuple):
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
-    brief_s: float = 0.0
-    """s: shorter swings are filled, too."""
+    brief_s: float | None = None
+    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
     origin: Origin = "default"
     """The origin of the thresholds."""
     by_flag: bool = False
