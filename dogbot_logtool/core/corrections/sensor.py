@@ -27,6 +27,7 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.corrections.modes import (
     MIDDLE_SHARE,
     NOISY,
+    ONCE,
     PLAIN_OFFSET,
     Modes,
     both_ways,
@@ -194,15 +195,18 @@ def estimate_level(
     axis = load_axis(force)
     both = both_ways(without_spikes(force @ axis), run_numbers(log_time), plain_offset)
     first, second = sorted(both, key=lambda modes: modes.fit, reverse=True)
-    if first.reason and second.reason:
-        return _unknown(first.reason, force)
     lead = first.fit - second.fit
-    if first.reason or lead < (CLEAR if second.reason else CLEARER):
-        return refuted_level(TURNED)
-    level = level_of(first, log_time, force, axis)
-    if (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0):
-        return _unknown(NOISY, force)
-    return replace(level, lead=lead)
+    if not first.reason and lead >= (CLEARER if second.reason in {"", ONCE} else CLEAR):
+        level = level_of(first, log_time, force, axis)
+        is_noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
+        return _unknown(NOISY, force) if is_noisy else replace(level, lead=lead)
+    for modes in (first, second):
+        if modes.reason == ONCE:
+            # The one swing tells how far the unloaded sensor strays.
+            wobble_n = level_of(modes, log_time, force, axis).wobble_n
+            return replace(_unknown(ONCE, force), wobble_n=wobble_n)
+    is_unclear = first.reason and second.reason
+    return _unknown(first.reason, force) if is_unclear else refuted_level(TURNED)
 
 
 def refuted_level(why: str) -> SensorLevel:
