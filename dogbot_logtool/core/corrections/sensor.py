@@ -44,11 +44,8 @@ CLEAR_OF_NOISE: Final = 5.0
 """Least distance between both modes, in standard deviations of the noise."""
 DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
-CLEAR: Final = 1.0
-"""Lead in score from which it is told which way a load turns what a sensor reads, where swing and
-stance are clear one way only."""
-CLEARER: Final = 3.0
-"""The same where they are clear both ways."""
+CLEAR: Final = 3.0
+"""Lead in score from which it is told which way a load turns what a sensor reads."""
 SURE: Final = 6.0
 """Lead from which that is certain, whatever the weight says."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
@@ -196,7 +193,7 @@ def estimate_level(
     both = both_ways(without_spikes(force @ axis), run_numbers(log_time), plain_offset)
     first, second = sorted(both, key=lambda modes: modes.fit, reverse=True)
     lead = first.fit - second.fit
-    if not first.reason and lead >= (CLEARER if second.reason in {"", ONCE} else CLEAR):
+    if not first.reason and lead >= CLEAR:
         level = level_of(first, log_time, force, axis)
         is_noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
         return _unknown(NOISY, force) if is_noisy else replace(level, lead=lead)
