@@ -12,8 +12,7 @@ from dogbot_logtool.core.arrays import AnyColumns, Ints, picked
 from dogbot_logtool.core.event import STEPS, to_log_time, with_steps
 from dogbot_logtool.core.gait.segments import gait_changes
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows
-from dogbot_logtool.core.scene.feet import DrawnFoot
-from dogbot_logtool.core.scene.loads import foot_labels, foot_loads
+from dogbot_logtool.core.scene.feet import DrawnFoot, foot_labels, foot_loads
 from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.writer import described, topics

@@ -11,8 +11,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Ints, rows_by_group
 from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages
 from dogbot_logtool.core.scene.arrows import Arrows
-from dogbot_logtool.core.scene.feet import short_names
-from dogbot_logtool.core.scene.loads import Labels, Loads
+from dogbot_logtool.core.scene.feet import Labels, Loads, short_names
 from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
 from dogbot_logtool.writer import described, markers, topics
 from dogbot_logtool.writer.chunks import MessageRecords, by_channel, of_payloads

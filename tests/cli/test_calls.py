@@ -12,8 +12,7 @@ from dogbot_logtool.gone import _EVERYWHERE
 from dogbot_logtool.option import options_of
 from dogbot_logtool.options import COMMANDS, CommonOptions, record_of
 from tests.oracles.recorded import TEXT_TYPE, S
-from tests.oracles.ros1_logs import text, write_ros1_mcap
-from tests.oracles.small_logs import first_seconds
+from tests.oracles.small_logs import first_seconds, text, write_ros1_mcap
 from tests.oracles.walks import Entry
 from tests.paths import TROT, TROUBLED, WALK
 from tests.shell import Shell

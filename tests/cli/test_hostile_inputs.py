@@ -26,6 +26,7 @@ from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, schema, small_mcap
 from tests.shell import Shell
+from tests.torture.commands import COMMANDS
 
 # --- Logs that describe thousands of topics, or whose spans and counts are odd --------------------
 
@@ -197,10 +198,7 @@ def test_a_byte_order_mark_does_not_matter(tmp_path: Path) -> None:
 # --- Logs of odd spans and counts -----------------------------------------------------------------
 
 TOPICS: Final = ("info --frames log", "stats log", "convert -o out.mcap log", "compare log log")
-EVERY: Final = (
-    *("info log", "stats log --set clock=log", "stats log --json", "report log -o page.html"),
-    *("convert log -o out.mcap", "export log --table events -o events.csv", "check --suggest log"),
-)
+EVERY: Final = tuple(each.format(log="log") for each in COMMANDS[::2])
 LOGS: Final[dict[str, tuple[Callable[..., None], Collection[str], Collection[int], str]]] = {
     "a clock set right by 56 years": (set_right, EVERY, (0, 3), ""),
     "30,000 states in a message": (
