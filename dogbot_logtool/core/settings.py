@@ -73,8 +73,6 @@ class WalkSettings:
     foot_rolling_m: float | None = None
     """m, way of the contact point in a stance without slip; None: not known."""
     thresholds: Thresholds = field(default_factory=Thresholds)
-    contact_on_counts: float | None = None
-    """Threshold of raw sensors without a scale; the reader has applied it."""
     takes_offsets: bool = True
     """Whether offsets that are not given are estimated from the samples."""
     world_frame: str | None = None

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
 _OF_ROBOT: Final = (
-    *("mass_kg", "forward_axis", "com_offset_m", "foot_rolling_m", "contact_on_counts"),
+    *("mass_kg", "forward_axis", "com_offset_m", "foot_rolling_m"),
     *("world_frame", "base_frame"),
 )
 """Settings that are those of the robot's file."""
