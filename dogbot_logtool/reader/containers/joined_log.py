@@ -90,7 +90,6 @@ class JoinedLog(Log):
             loaded = tuple(
                 each._replace(
                     stored=memoryview(b""),
-                    base=base + each.base,
                     rows=slice(row + each.rows.start, row + each.rows.stop),
                     whole=False,
                 )

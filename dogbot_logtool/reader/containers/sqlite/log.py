@@ -68,7 +68,7 @@ class SqliteLog(Log):
         loaded: list[LoadedChunk] = []
         for chunk in span:
             rows = slice(*np.searchsorted(leaf, (chunk.data_offset, chunk.end + 1)).tolist())
-            loaded.append(LoadedChunk(chunk, memoryview(b""), 0, rows, whole=False))
+            loaded.append(LoadedChunk(chunk, memoryview(b""), rows, whole=False))
             if lost := (chunk.messages or 0) - (rows.stop - rows.start):
                 what = f"the database is damaged: {lost} messages cannot be read"
                 losses.append(Loss(0, what, 0, lost))
