@@ -19,19 +19,6 @@ from tests.reader.mcap_bytes import small_mcap
 from tests.reader.reading import read_bytes
 
 
-def test_the_suffix_does_not_matter(tmp_path: Path) -> None:
-    for name, data, container in [
-        ("walk.mcap", small_bag().build(), "ROS 1 bag"),
-        ("walk.bag.active", small_bag().build(), "ROS 1 bag"),
-        ("walk.bag", small_mcap().build(), "MCAP"),
-    ]:
-        path = tmp_path / name
-        path.write_bytes(data)
-        log = open_log(path)
-        assert log.container == container
-        log.close()
-
-
 @pytest.mark.parametrize("place", range(13))
 def test_a_damaged_magic_is_said(tmp_path: Path, place: int) -> None:
     bag, mcap = small_bag(), small_mcap()

@@ -15,7 +15,7 @@ from dogbot_logtool.errors import CallError, LogError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
-from dogbot_logtool.reader.containers.remote_source import RemoteSource
+from dogbot_logtool.reader.containers.source import RemoteSource
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.info_report import info_json
 from tests.oracles.small_logs import odometry_log
