@@ -7,9 +7,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import BaseTrack, base_motion
+from dogbot_logtool.core.base.motion import BaseTrack, Tipping, base_motion
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.base.witness import POINTS, Witness
 from dogbot_logtool.core.consistency import Delay, Worlds
