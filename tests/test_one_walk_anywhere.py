@@ -19,7 +19,7 @@ from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
 from tests.oracles.recorded import out_of_order, unpacked
 from tests.oracles.small_logs import first_seconds
-from tests.oracles.walks import Entry, Walk, write_bag, write_library_mcap, write_rosbag2
+from tests.oracles.walks import Entry, Walk, write_bag, write_mcap, write_rosbag2
 from tests.paths import TROT
 
 Walked = tuple[Walk, list[Entry]]
@@ -55,9 +55,9 @@ def disordered(ros: int) -> Walked:
 WRITERS: Final[dict[str, Callable[[Path], Path]]] = {
     "bag lz4": lambda path: write_bag(path, *messages(1), 768 << 10, "lz4"),
     "bag out of order": lambda path: write_bag(path, *disordered(1), 20_000),
-    "mcap ros1": lambda path: write_library_mcap(path, *messages(1), 10_000),
-    "mcap ros2": lambda path: write_library_mcap(path, *messages(2), 10_000_000),
-    "mcap out of order": lambda path: write_library_mcap(path, *disordered(2), 20_000),
+    "mcap ros1": lambda path: write_mcap(path, *messages(1), 10_000),
+    "mcap ros2": lambda path: write_mcap(path, *messages(2), 10_000_000),
+    "mcap out of order": lambda path: write_mcap(path, *disordered(2), 20_000),
     "rosbag2 mcap": lambda path: write_rosbag2(path, *messages(2), StoragePlugin.MCAP),
     "rosbag2 sqlite": lambda path: write_rosbag2(path, *messages(2), StoragePlugin.SQLITE3),
 }
@@ -67,7 +67,7 @@ def test_any_number_of_processes_gives_the_same_figures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
-    log = write_library_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
+    log = write_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
     assert figures(log, jobs=5) == expected()
 
 
@@ -127,5 +127,5 @@ def test_any_workers_write_the_same_annotations(
     monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
     monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", 1000)
     monkeypatch.setattr("dogbot_logtool.reader.workers.start_method", lambda _log: start)
-    log = write_library_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
+    log = write_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
     assert annotations(tmp_path, log, "foxglove", jobs) == expected_annotations["foxglove"]

@@ -10,10 +10,10 @@ import numpy as np
 
 from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import norms
-from dogbot_logtool.core.checks.beside import zero_stamps
+from dogbot_logtool.core.checks.recorded import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
-from dogbot_logtool.core.prepared import LARGEST
+from dogbot_logtool.core.recording import LARGEST
 from dogbot_logtool.core.settings import body_weight_n
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import damage_of

@@ -12,15 +12,12 @@ from dogbot_logtool.core.arrays import AnyColumns, Ints, picked
 from dogbot_logtool.core.event import STEPS, to_log_time, with_steps
 from dogbot_logtool.core.gait.segments import gait_changes
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows
-from dogbot_logtool.core.scene.feet import DrawnFoot
-from dogbot_logtool.core.scene.loads import foot_labels, foot_loads
+from dogbot_logtool.core.scene.feet import DrawnFoot, foot_labels, foot_loads
 from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
 from dogbot_logtool.reader.containers.log import Log
-from dogbot_logtool.writer import described
+from dogbot_logtool.writer import described, topics
 from dogbot_logtool.writer.annotations import Annotations, Drawn
-from dogbot_logtool.writer.chunks import FinishedChunk, finish_chunks
-from dogbot_logtool.writer.message_records import MessageRecords, of_payloads
-from dogbot_logtool.writer.topics import EVENTS_TOPIC, GAIT_TOPIC, SPANS_TOPIC
+from dogbot_logtool.writer.chunks import FinishedChunk, MessageRecords, finish_chunks, of_payloads
 
 SPAN_ROWS = 40_000
 """Samples of feet in a span: enough to make the cost of a numpy call small, and few enough to be
@@ -47,11 +44,11 @@ def annotate_span(
     Args:
         scene: what is drawn.
         annotations: as which messages.
-        span: ns; None: events and gaits of the whole log.
+        span: ns; None: the robot, and events and gaits of the whole log.
     """
     counts = Counter[str]()
     if span is None:
-        parts: Iterable[MessageRecords] = _event_records(annotations, scene)
+        parts: Iterable[MessageRecords] = _records_of_the_whole(annotations, scene)
     else:
         columns, counts = _annotations_between(scene, *span)
         parts = annotations.messages(columns)
@@ -108,8 +105,10 @@ def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[Arrows, Counter
     return made(samples, scene.arrow_scale)
 
 
-def _event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
-    """Yield the messages of `/gait`, `/events` and `/events/spans`."""
+def _records_of_the_whole(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:
+    """Yield the messages of `/robot_description`, `/gait`, `/events` and `/events/spans`."""
+    if scene.description.urdf is not None and scene.opening is not None:
+        yield annotations.robot_description(scene.description.urdf, scene.opening)
     made, channels, walk = annotations.encoding.message, annotations.channels, scene.walk
     tracks = [foot.record.track for foot in walk.feet]
 
@@ -118,14 +117,14 @@ def _event_records(annotations: Annotations, scene: Scene) -> Iterator[MessageRe
 
     gaits = gait_changes(walk.segments, walk.feet)
     states = (made(described.gait(*each)) for each in gaits)
-    yield of_payloads(channels[GAIT_TOPIC], states, log_time([time for time, _ in gaits]))
+    yield of_payloads(channels[topics.GAIT], states, log_time([time for time, _ in gaits]))
     found = with_steps(walk.metrics)
     events = [(walk.origin + round(each.onset_s * 1e9), each) for each in found]
     event_time = log_time([time for time, _ in events])
     logged = (made(described.event(*each)) for each in events)
-    yield of_payloads(channels[EVENTS_TOPIC], logged, event_time)
-    if SPANS_TOPIC in channels:
+    yield of_payloads(channels[topics.EVENTS], logged, event_time)
+    if topics.SPANS in channels:
         # A viewer's timeline shows what calls for a look; steps are in the log panel.
         odd = [row for row, (_, event) in enumerate(events) if event.type not in STEPS]
         spans = (made(described.span(*events[row])) for row in odd)
-        yield of_payloads(channels[SPANS_TOPIC], spans, event_time[odd])
+        yield of_payloads(channels[topics.SPANS], spans, event_time[odd])

@@ -31,11 +31,10 @@ from dogbot_logtool.reader.workers import in_order
 from dogbot_logtool.run.runner import OnProgress
 from dogbot_logtool.writer.annotations import Annotations, types_by_topic
 from dogbot_logtool.writer.channels import added_channels
-from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunk, finish_chunks
+from dogbot_logtool.writer.chunks import Compression, FinishedChunk, finish_chunks, recorded
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.registry import encoding_named
 from dogbot_logtool.writer.mcap_writer import McapWriter
-from dogbot_logtool.writer.message_records import recorded
 
 Copied = FinishedChunk | Chunk
 """A chunk of the log itself is copied as it stands."""
@@ -91,9 +90,6 @@ class AnnotatedLog:
         self._declare(types_by_topic(encoding, scene.wanted))
         channels = {topic: int(channel.id) for topic, channel in self.added.items()}
         annotations = Annotations(encoding, scene.wanted, channels)
-        if scene.description.urdf is not None and scene.opening is not None:
-            message = annotations.robot_description(scene.description.urdf, scene.opening)
-            self.add([finish_chunk(message, options.compression or "zstd")])
         spans: list[TimeSpan | None] = [None, *time_spans(scene)]
         work = partial(annotate_span, scene, annotations)
         with closing(in_order(work, self._log, spans, options.jobs)) as results:
@@ -183,9 +179,7 @@ def channels_left_out(log: Log, options: ConvertOptions) -> frozenset[int]:
     Raises:
         CallError: topics are chosen, but nothing is copied.
     """
-    if not options.topics:
-        return frozenset()
-    if not options.copy:
+    if options.topics and not options.copy:
         raise CallError("--topics chooses what is copied; --no-copy copies nothing")
     return frozenset(
         channel.id

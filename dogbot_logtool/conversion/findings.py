@@ -86,11 +86,11 @@ def arrow_findings(
     """
     links, points = (frames.links, frames.points) if frames else ((), ())
     placed = {row for row, point in enumerate(points) if point}
-    forced = [row for row, foot in enumerate(settings.feet) if foot.has_force]
     nowhere = [
-        settings.feet[row].name
-        for row in forced
-        if row not in placed
+        foot.name
+        for row, foot in enumerate(settings.feet)
+        if foot.has_force
+        and row not in placed
         and any(each.in_base or not each.has_points for each in selection.sources_of(row))
     ]
     if nowhere:

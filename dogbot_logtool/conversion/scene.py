@@ -7,10 +7,10 @@ from typing import Final, Literal, NamedTuple
 from dogbot_logtool.conversion.findings import arrow_findings, no_support, second_tf
 from dogbot_logtool.core.arrays import concatenated, picked
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
-from dogbot_logtool.core.checks.beside import transform_findings
+from dogbot_logtool.core.checks.recorded import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.frames.kinematics import Joint, TransformMessages, from_opening
+from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import WorldFrames
 from dogbot_logtool.core.scene.arrows import (
@@ -21,8 +21,7 @@ from dogbot_logtool.core.scene.arrows import (
     ArrowStyle,
     arrow_scale,
 )
-from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot
-from dogbot_logtool.core.scene.loads import opening_load, silences
+from dogbot_logtool.core.scene.feet import DrawnFoot, drawn_foot, opening_load, silences
 from dogbot_logtool.core.stability import NEAR_NS
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
@@ -103,10 +102,8 @@ def make_scene(
     second = second_tf(selection, frames, options, left_out) if options.tf == "auto" else None
     writes_base = selection.has_base and options.tf != "never" and second is None
     description = robot_description(log, selection, model, walk, options)
-    description = description._replace(
-        hips=None if unsupported else description.hips,
-        joints=description.joints if options.tf != "never" else (),
-    )
+    if unsupported is not None:
+        description = description._replace(hips=None)
     given, weight_n = selection.robot.newtons_per_metre, settings.body_weight_n
     weight_n = weight_n or settings.estimated_weight_n
     start, end = time_limits(log, options.start, options.end)
@@ -115,7 +112,9 @@ def make_scene(
     poses = walk.recording.base.pick(usable_poses(walk.recording.base))
     poses = poses.pick(first_at_each_tick(poses.time, options.tf_rate))
     transforms = [_of_base(poses)] if writes_base else []
-    transforms += _of_links(description.joints, walk, options)
+    if description.joints:
+        moved = moved_links(description.joints, walk.recording.joints[0])
+        transforms.append(picked(moved, first_at_each_tick(moved.stamp, options.tf_rate)))
     loads = [opening_load(foot, settings.body_weight_n, begin) for foot in feet]
     return Scene(
         walk=walk,
@@ -207,14 +206,3 @@ def _of_base(poses: Odometry) -> TransformMessages:
     """Return the transforms of the base."""
     place = poses.position[:, None], poses.orientation[:, None]
     return TransformMessages(poses.log_time, poses.time, *place)
-
-
-def _of_links(
-    joints: Sequence[Joint], walk: Walk, options: ConvertOptions
-) -> Iterator[TransformMessages]:
-    """Yield the transforms of the links that joint states move."""
-    tables = walk.recording.joints
-    for table in tables if joints else ():
-        if table.topic == tables[0].topic:
-            links = moved_links(joints, table)
-            yield picked(links, first_at_each_tick(links.stamp, options.tf_rate))

@@ -12,10 +12,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.axes import with_forward_axis
-from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
-from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet
-from dogbot_logtool.core.base.motion import base_motion, base_track
+from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet, with_forward_axis
+from dogbot_logtool.core.base.motion import base_motion, base_track, fallen_spans, find_tipping
 from dogbot_logtool.core.base.poses import find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
@@ -24,8 +22,7 @@ from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
-from dogbot_logtool.core.gait.strides import any_strides, typical_period_s
-from dogbot_logtool.core.gait.support import standing_in, support
+from dogbot_logtool.core.gait.strides import any_strides, standing_in, support, typical_period_s
 from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.loads import dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Log
@@ -37,7 +34,7 @@ from dogbot_logtool.core.walk_metrics import metrics_of
 from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.swings import LegSettings
+    from dogbot_logtool.core.legs.joints import LegSettings
 
 NO_LOG: Final = Log("", "", "", None, None, 0, 0, 0)
 """What was read, for columns that come from no log."""
@@ -107,7 +104,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     telling = [
         foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
     ]
-    records = without_stopped(telling, base)
+    records = without_stopped(telling)
     # Places that the poses have put into the world jump with them.
     placed_by_poses = any(path is not None for path in corrected.places)
     candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
@@ -141,7 +138,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     guessed = settings.forward_axis
     motion = base_motion(track, settings.forward_rad)
     in_one_world = stand_in is None and (worlds is None or worlds.agree)
-    settings = with_forward_axis(settings, track, motion, in_one_world=in_one_world)
+    settings = with_forward_axis(settings, on_ground, records, motion, in_one_world=in_one_world)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_rad)
     feet = tuple(
@@ -206,7 +203,7 @@ def _measured(walk: Walk) -> Walk:
     walk = replace(walk, loads=walk.loads_in(), stability=walk.stability_in())
     # Modules of what few logs hold are loaded for those that do.
     if walk.corrected.commands is not None:
-        from dogbot_logtool.core.commands import follow_commands  # noqa: PLC0415
+        from dogbot_logtool.core.following import follow_commands  # noqa: PLC0415
 
         walk = replace(walk, command_track=follow_commands(walk))
     if walk.corrected.inertial is not None:
@@ -218,7 +215,7 @@ def _measured(walk: Walk) -> Walk:
 
 def _with_plan(walk: Walk, planned: Walk) -> Walk:
     """Add how the feet follow their plan, if that is on the same clock."""
-    from dogbot_logtool.core.planned import follow_plan  # noqa: PLC0415 - few logs hold a plan
+    from dogbot_logtool.core.following import follow_plan  # noqa: PLC0415 - few logs hold a plan
 
     clocks = [each.settings.clock for each in (walk, planned)]
     plan = {foot.name: foot for foot in planned.feet}

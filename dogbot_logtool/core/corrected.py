@@ -1,15 +1,16 @@
 """Correct the columns of a recording: one clock, sensors' offsets, silences, frames of forces."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.falls import leaning_walk_rad
+from dogbot_logtool.core.arrays import AnyColumns, Floats, Ints
 from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
+from dogbot_logtool.core.base.motion import leaning_walk_rad
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.contacts import Samples, with_swings
 from dogbot_logtool.core.contact.filtered import find_filters, without_filter
@@ -19,7 +20,9 @@ from dogbot_logtool.core.corrections.clock import (
     OffsetTrack,
     StampCheck,
     TimeSource,
+    advancing,
     check_stamps,
+    clock_at,
     clock_breaks,
     clock_differences,
     offset_track,
@@ -27,6 +30,7 @@ from dogbot_logtool.core.corrections.clock import (
     why_unusable,
     without_bad_stamps,
 )
+from dogbot_logtool.core.frames.transforms import lookup, track_of
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
     Counts,
@@ -36,9 +40,11 @@ from dogbot_logtool.core.known_frames import (
     known_frames,
 )
 from dogbot_logtool.core.quality import TopicQuality, TopicTimes, topic_quality, topic_times
-from dogbot_logtool.core.recording import JointTable, Recording, VectorTopic
+from dogbot_logtool.core.recording import JointTable, Recording, VectorTopic, has_own_stamps
+from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 from dogbot_logtool.core.sensors import with_sensors, without_offset
 from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.finding import Finding, Words, found
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.vectors import VectorHistory
@@ -209,8 +215,8 @@ def _corrected_samples(
         without_offset(own, foot) for foot, own in zip(settings.feet, recording.feet, strict=True)
     ]
     silent = [row for row, foot in enumerate(settings.feet) if foot.silent_in_swing]
-    feet = list(with_swings(feet, silent, settings.silent_from, settings.silent_until))
     clock = settings.clock
+    feet = list(with_swings(feet, silent, clock, settings.silent_from, settings.silent_until))
     places: list[FootPath | None] = [None] * len(feet)
     for row in [row for row, foot in enumerate(settings.feet) if foot.in_base]:
         # A driver leaves places at the origin that it does not know.
@@ -264,3 +270,137 @@ def _topic_qualities(
         topic_quality(each, settings.clock, silences.get(topic))
         for topic, each in sorted(times.items())
     )
+
+
+SAME_SPEED: Final = 0.02
+"""Difference of a clock's speed from that of log time that does not matter."""
+FEWEST: Final = 20
+LONG_NS: Final = 1_000_000_000
+
+
+def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Finding, ...]]:
+    """Stamp feet and base that have no stamps by the clock of those that do.
+
+    Only where that clock runs at another speed than log time, as in a simulation: what comes
+    without a stamp happened when the stamped clock read what it did at that log time.
+
+    Args:
+        recording: the columns of a log.
+        topic: of the base's poses.
+
+    Returns:
+        the recording, and what was done.
+    """
+    every: list[Samples | Odometry] = [*recording.feet, recording.base]
+    speaking = [each for each in every if len(each.log_time)]
+    stamped = [each for each in speaking if has_own_stamps(each)]
+    if not stamped or len(stamped) == len(speaking):
+        return recording, ()
+    source = max(stamped, key=lambda each: len(each.log_time))
+    rows = np.flatnonzero((source.stamp > 0) & advancing(source.stamp) & advancing(source.log_time))
+    log_time, stamp = source.log_time[rows], source.stamp[rows]
+    if len(rows) < FEWEST or log_time[-1] - log_time[0] < LONG_NS:
+        return recording, ()
+    speed = float(stamp[-1] - stamp[0]) / float(log_time[-1] - log_time[0])
+    if abs(speed - 1.0) <= SAME_SPEED:
+        return recording, ()
+
+    def on_clock(columns: AnyColumns) -> AnyColumns:
+        own: Any = columns
+        alike: AnyColumns = replace(own, stamp=clock_at(own.log_time, log_time, stamp))
+        return columns if has_own_stamps(own) else alike
+
+    changed = replace(
+        recording, feet=tuple(map(on_clock, recording.feet)), base=on_clock(recording.base)
+    )
+    names = ("odometry", "feet") if has_own_stamps(recording.base) else ("feet", "odometry")
+    words: Words = {"stamped": names[0], "others": names[1], "speed": speed}
+    return changed, (found("CLOCK_OFFSET", "little", say="others", where=topic, **words),)
+
+
+_SENSORS: Final = frozenset(
+    {"imu", "camera", "cam", "lidar", "laser", "gps", "gnss", "livox", "velodyne", "ouster"}
+    | {"os", "sensor", "t265", "zed", "realsense", "optical", "marker", "antenna"}
+)
+"""Words of links that are no base."""
+_FLOOR: Final = "base_footprint"
+
+
+def poses_of_base(
+    recording: Recording,
+    topic: str,
+    named: str | None,
+    bases: Sequence[str],
+) -> tuple[Recording, tuple[Finding, ...]]:
+    """Move poses of another link to the base, where static transforms tell how.
+
+    Args:
+        recording: the columns of a log.
+        topic: of the poses.
+        named: the base's frame, if the robot's file tells it.
+        bases: usual names of a base's frame, the best first.
+
+    Returns:
+        the recording, and what was done, or could not be.
+    """
+    frames = [name.lstrip("/") for name in recording.base_frames if name.strip("/")]
+    if len(frames) != 1:
+        return recording, ()
+    statics = {
+        child: track
+        for (parent, child), own in recording.transforms.items()
+        if own.static.any() and (track := track_of(parent, own, TimeSource.LOG))
+    }
+    parents = {child: track.parent for child, track in statics.items()}
+    above = [frames[0]]
+    while above[-1] in parents and parents[above[-1]] not in above:
+        above.append(parents[above[-1]])
+    base = _base_of(above, named and named.lstrip("/"), bases, parents)
+    if base == above[0]:
+        return recording, ()
+    now = np.zeros(1, np.int64)
+    own, other = (lookup(statics, each, above[-1], now, now) for each in (above[0], base or ""))
+    if not (own.known[0] and other.known[0]):
+        return recording, (found("POSE_FRAME", "unknown", topic=topic, frame=above[0]),)
+    displacement, back = other.translation - own.translation, conjugate(own.rotation)
+    moved = replace(
+        recording,
+        base=_moved(recording.base, rotate(back, displacement), multiply(back, other.rotation)),
+        base_frames=(base or "",),
+    )
+    metres = float(np.linalg.norm(displacement))
+    moving = found("POSE_FRAME", topic=topic, frame=above[0], base=base, metres=metres)
+    return moved, (moving,)
+
+
+def _base_of(
+    above: Sequence[str], named: str | None, bases: Sequence[str], parents: Mapping[str, str]
+) -> str | None:
+    """Return the base that a link belongs to; itself, where it may be one; None: not known.
+
+    Args:
+        above: the link, its parent, its parent's parent, and so on.
+        named: the base's frame by the robot's file.
+        bases: usual names of bases.
+        parents: by frame.
+    """
+    child = above[0]
+    if named is not None and named != child:
+        return named if named in {*parents, *parents.values()} else child
+    for base in bases:
+        if base in above and base != _FLOOR:
+            return base
+        if child == _FLOOR and parents.get(base) == child:
+            return base
+    words = frozenset(re.findall(r"[a-z0-9]+", child.lower()))
+    return child if words.isdisjoint(_SENSORS) else None
+
+
+def _moved(base: Odometry, translation: Floats, rotation: Floats) -> Odometry:
+    """Return the poses of a point of the same body, whose own turn is part of it."""
+    turned = base.orientation.any(axis=1)
+    orientation, position = base.orientation.copy(), base.position.copy()
+    unit = normalised(base.orientation[turned])
+    position[turned] += rotate(unit, translation)
+    orientation[turned] = multiply(unit, rotation)
+    return replace(base, position=position, orientation=orientation)

@@ -14,7 +14,6 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, all_finite, trapezoids
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import likeness
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.metrics import Imu
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, normalised, rotate
@@ -38,13 +37,6 @@ NO_GRAVITY: Final = 0.04
 """Share of g: a mean specific force below it has no gravity in it; one in g reads 0.1 of it."""
 STEADY: Final = 0.1
 """Share of g: root mean square of means over strides that a mounting need not explain."""
-
-MOVES_MPS2: Final = 0.15
-"""m/s^2, root mean square of a horizontal acceleration that tells directions."""
-COHERENT: Final = 0.8
-"""Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a turn is told."""
-TURNED_RAD: Final = np.deg2rad(20.0)
-"""A smaller turn is as good as yaw and means over strides are."""
 
 ODD: Final = 0.15
 """A factor that is further from 1, and from the others, is odd."""
@@ -99,10 +91,9 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
     turn, tilt_rad = _between(mean, wanted) if size >= NO_GRAVITY * GRAVITY_MPS2 else (_LEVEL, None)
     off = rotate(turn[None], means[:, :3]) - scale * expected
     reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
-    turned_rad, forces = None, None
+    forces = None
     if reading == "m/s^2":
         world = _integral(at, rotate(attitude, rotate(turn[None], body)))
-        turned_rad = find_turn(world.mean(time, 2 * half)[:, :2], poses[:, :2])
         forces = _compare_forces(walk, world, time, half)
     metrics = Imu(
         topic=sensed.topic,
@@ -111,7 +102,7 @@ def compare_imu(walk: Walk) -> ImuComparison | None:
         tilt_rad=None if reading == "unclear" else tilt_rad,
         forces_over_accelerometer=None if forces is None else forces.ratio,
     )
-    return ImuComparison(metrics, reading, scale, turned_rad, forces)
+    return ImuComparison(metrics, reading, scale, forces)
 
 
 def _reading(size: float, scale: float, off: float) -> Reading:
@@ -157,24 +148,6 @@ def _between(first: Floats, second: Floats) -> tuple[Floats, float]:
         axis = np.cross(one, np.eye(3)[int(np.abs(one).argmin())])
     turn = normalised(np.append(axis, 1.0 + cosine)[None, :])[0]
     return turn, 2.0 * float(np.arctan2(np.linalg.norm(turn[:3]), turn[3]))
-
-
-def find_turn(first: Floats, second: Floats) -> float | None:
-    """Compare horizontal accelerations as complex numbers.
-
-    Args:
-        first: (n, 2) m/s^2.
-        second: (n, 2) m/s^2, what the first should be.
-
-    Returns:
-        rad about the vertical, to the left, where they are one acceleration in two directions; None
-        where they are not, or either hardly accelerates.
-    """
-    one, other = (each[:, 0] + 1j * each[:, 1] for each in (first, second))
-    if not len(first) or min(np.mean(np.abs([one, other]) ** 2, axis=1)) < MOVES_MPS2**2:
-        return None
-    _, coherence, angle = likeness(one, other)
-    return angle if coherence >= COHERENT and abs(angle) > TURNED_RAD else None
 
 
 def _compare_forces(

@@ -1,7 +1,6 @@
 """What a recording tells of its frames, and the forces, places and soles that they turn."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
@@ -116,15 +115,12 @@ class WorldFrames(NamedTuple):
         points[found] = 1
         return replace(samples, position=position, points=points), poses.known
 
-    def soles(
-        self, feet: Sequence[Samples], spread_m: float, in_base: AbstractSet[int] = frozenset()
-    ) -> dict[int, Point]:
+    def soles(self, feet: Sequence[Samples], spread_m: float) -> dict[int, Point]:
         """Return the median contact point, m, of each foot whose points agree in its link's frame.
 
         Args:
             feet: contact samples of each.
             spread_m: m, median distance from the median beyond which a foot has no sole.
-            in_base: feet whose points are in the base's frame as they are recorded.
         """
         found: dict[int, Point] = {}
         for foot, (samples, link) in enumerate(zip(feet, self.links, strict=True)):
@@ -132,11 +128,9 @@ class WorldFrames(NamedTuple):
             rows = rows[:: len(rows) // _MOST_SAMPLES + 1]
             if link is None or not len(rows):
                 continue
-            points = samples.position[rows]
-            if foot not in in_base:
-                poses = self._poses(link, samples.pick(rows))
-                offset = (points - poses.translation)[poses.known]
-                points = rotate(conjugate(poses.rotation[poses.known]), offset)
+            poses = self._poses(link, samples.pick(rows))
+            offset = (samples.position[rows] - poses.translation)[poses.known]
+            points = rotate(conjugate(poses.rotation[poses.known]), offset)
             if len(points) < _FEWEST:
                 continue
             middle = median_of(points, axis=0)
@@ -175,8 +169,6 @@ class KnownFrames:
     )
     soles: Mapping[int, Point] = field(default_factory=dict)
     """m, where feet touch the ground in the frames of their `links`, as far as it is known."""
-    stances: Mapping[int, Point] = field(default_factory=dict)
-    """m, the same in the base's frame: the median while the foot stands."""
 
     def tracks(self, frames: Iterable[str]) -> dict[str, FrameTrack]:
         """Return those of some frames that are known, each in its one parent."""
@@ -189,6 +181,11 @@ class KnownFrames:
         """Return where feet are whose messages tell places in the base's frame."""
         point = FramePoint(self.base, recorded=True)
         return [point if foot.in_base else None for foot in settings.feet]
+
+    def stances(self, feet: Sequence[Samples]) -> dict[int, Point]:
+        """Return where feet stand in the base's frame, by samples that are in the world."""
+        at_base = self.follow((self.base,) * len(feet), (None,) * len(feet))
+        return at_base.soles(feet, STANCE_SPREAD_M) if at_base else {}
 
     def follow(
         self, links: Sequence[str | None], points: Sequence[FramePoint | None]
@@ -238,18 +235,10 @@ def known_frames(recording: Recording, settings: WalkSettings) -> KnownFrames:
         transforms=transforms,
         clock=settings.clock,
     )
-    feet, points = recording.feet, frames.in_base(settings)
-    followed = frames.follow(frames.links, points)
-    soles, stances = dict[int, Point](), dict[int, Point]()
-    if followed is not None:
-        soles = followed.soles(feet, SOLE_SPREAD_M)
-    nowhere = (None,) * len(points)
-    at_base = frames.follow((frames.base,) * len(points), nowhere)
-    if at_base is not None and settings.odometry_topic:
-        in_base = {row for row, point in enumerate(points) if point}
-        stances = at_base.soles(feet, STANCE_SPREAD_M, in_base)
+    followed = frames.follow(frames.links, frames.in_base(settings))
+    soles = followed.soles(recording.feet, SOLE_SPREAD_M) if followed else {}
     wrench_frame = _wrench_frame(recording, settings, followed)
-    return replace(frames, soles=soles, stances=stances, wrench_frame=wrench_frame)
+    return replace(frames, soles=soles, wrench_frame=wrench_frame)
 
 
 def _of_poses(base: Odometry) -> Transforms:

@@ -1,4 +1,9 @@
-"""From joint states and transforms to all that is known of the legs."""
+"""From joint states and transforms to all that is known of the legs.
+
+The path of a foot in the base's frame comes from transforms, or from joints with their robot
+description, at a low rate. A swing is a foot's way in the world, above the line between its
+footfalls.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -6,30 +11,28 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, aggregate
-from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
+from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
+from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls, known_path
 from dogbot_logtool.core.base.witness import by_legs
-from dogbot_logtool.core.corrections.clock import too_far_apart
-from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.corrections.clock import first_at_each_tick, too_far_apart
+from dogbot_logtool.core.frames import kinematics
+from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track, lookup
+from dogbot_logtool.core.gait.feet import CYCLE, FootSteps, cycle_curve
+from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import (
     JointTrack,
+    LegChain,
     LegFigures,
     LegFoot,
+    LegSettings,
     joint_curve,
     joint_tracks,
     summed_work,
 )
-from dogbot_logtool.core.legs.swings import (
-    LegChain,
-    LegSettings,
-    foot_path,
-    is_slow,
-    link_tracks,
-    steps,
-    swings,
-)
 from dogbot_logtool.core.loads import slip_m, symmetry_index_percent
 from dogbot_logtool.core.metrics import Joint, Legs
+from dogbot_logtool.core.records import Shape
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 
 RESTING_M: Final = 0.02
@@ -62,16 +65,11 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     apart = too_far_apart(clocks, walk.period_s) & set(settings.joint_topics)
     unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
     unplaced |= bool(apart and settings.joints)
-    legs, stood, feet = [], [], []
-    for row, (foot, path) in enumerate(zip(walk.feet, paths, strict=True)):
-        leg, falls, swung = _leg(walk, settings, row, path, UNPLACED if unplaced else "")
-        own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
-        own = [each for each in own if each.works or not each.moves]
-        work = summed_work(own, foot.strides.touchdown, foot.strides.end)
-        of_leg = swung | dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
-        feet.append(_with_frame(walk, settings.chains[row], foot, of_leg, falls))
-        legs.append(leg)
-        stood.append(falls)
+    legs = [
+        _leg(walk, settings, row, path, UNPLACED if unplaced else "")
+        for row, path in enumerate(paths)
+    ]
+    feet = tuple(_with_leg(walk, settings, row, legs, joints) for row in range(len(legs)))
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
     work = np.empty((2, 0))
@@ -96,16 +94,12 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     witness = walk.witness
     if witness is None and not walk.settings.base_from_legs:
         witness = by_legs(paths, walk.records, walk.corrected.base)
-    feet = [
-        foot._replace(of_strides={**foot.of_strides, **_steps(walk, row, stood)})
-        for row, foot in enumerate(feet)
-    ]
-    return replace(walk, legs=figures, feet=tuple(feet), witness=witness)
+    return replace(walk, legs=figures, feet=feet, witness=witness)
 
 
 def _leg(
     walk: Walk, settings: LegSettings, row: int, path: FootPath | None, unplaced: str
-) -> tuple[LegFoot, Footfalls | None, dict[str, Floats]]:
+) -> LegFoot:
     """Return the leg of a foot, and where that stands, and its swings, if its frame rests then.
 
     Args:
@@ -118,14 +112,14 @@ def _leg(
     foot, chain = walk.feet[row], settings.chains[row]
     too_little = "" if path else "too little of its leg is told"
     reason = settings.reasons[row] or too_little or unplaced
-    leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path)
+    leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path, {})
     if path is None or leg.reason:
-        return leg, None, {}
+        return leg
     world = path.in_world(walk.poses)
     stood = footfalls(world, foot.stances)
     travel = aggregate(stood.travel_m[foot.stances.whole])
     if travel is None:
-        return leg._replace(reason="no whole stance in which its leg is told"), None, {}
+        return leg._replace(reason="no whole stance in which its leg is told")
     interval_s = foot.record.median_interval_s or np.inf
     found, height = swings(world, stood, foot.strides, interval_s)
     length = aggregate(found["swing_length_m"])
@@ -134,42 +128,54 @@ def _leg(
             f"its frame moves by {travel.median * 1e3:.0f} mm in the middle of a stance: it is not "
             "the foot's, the odometry drifts, or the foot slips"
         )
-        return leg._replace(reason=reason, moves=True), None, {}
+        return leg._replace(reason=reason, moves=True)
     slow = is_slow(world, interval_s)
-    return leg._replace(height=height, is_slow=slow), stood, found
+    return leg._replace(stood=stood, swings=found, height=height, is_slow=slow)
 
 
-def _with_frame(
+def _with_leg(
     walk: Walk,
-    chain: LegChain | None,
-    foot: FootSteps,
-    of_leg: Mapping[str, Floats],
-    stood: Footfalls | None,
+    settings: LegSettings,
+    row: int,
+    legs: Sequence[LegFoot],
+    joints: Mapping[str, JointTrack],
 ) -> FootSteps:
-    """Return a foot with what its leg tells: slips too, and lengths where its sensor has none."""
-    foot = foot._replace(of_strides={**foot.of_strides, **of_leg})
-    if stood is None or chain is None:
-        return foot
-    length = of_leg["swing_length_m"]
-    if foot.length_from == "base" and np.isfinite(length).any():
-        lengths = {**foot.of_strides, "stride_length_m": length}
-        foot = foot._replace(of_strides=lengths, length_from="foot_frame")
+    """Return a foot with what its leg tells: swings, steps, work; slips, and lengths by its frame.
+
+    Args:
+        walk: all other figures.
+        settings: sources of the legs.
+        row: of the foot.
+        legs: of all feet.
+        joints: by name.
+    """
+    foot, leg, chain = walk.feet[row], legs[row], settings.chains[row]
+    own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
+    own = [each for each in own if each.works or not each.moves]
+    work = summed_work(own, foot.strides.touchdown, foot.strides.end)
+    done = dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
+    of_strides = {**foot.of_strides, **leg.swings, **_steps(walk, row, legs), **done}
+    if leg.stood is None or chain is None:
+        return foot._replace(of_strides=of_strides)
+    if foot.length_from == "base" and np.isfinite(leg.swings["swing_length_m"]).any():
+        of_strides["stride_length_m"] = leg.swings["swing_length_m"]
+        foot = foot._replace(length_from="foot_frame")
     # The middle of a ball rolls with it: less the rolling, if that is known.
     rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
-    if rolling is None:
-        return foot
-    slips = {
-        "slip_m": slip_m(stood.slip_m, rolling),
-        "slip_largest_m": slip_m(stood.largest_slip_m, rolling),
-    }
-    return foot._replace(of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
+    if rolling is not None:
+        slips = {
+            "slip_m": slip_m(leg.stood.slip_m, rolling),
+            "slip_largest_m": slip_m(leg.stood.largest_slip_m, rolling),
+        }
+        foot = foot._replace(of_stances={**foot.of_stances, **slips}, slip_from="foot_frame")
+    return foot._replace(of_strides=of_strides)
 
 
-def _steps(walk: Walk, row: int, stood: Sequence[Footfalls | None]) -> dict[str, Floats]:
+def _steps(walk: Walk, row: int, legs: Sequence[LegFoot]) -> dict[str, Floats]:
     """Return the steps of a foot against the other of its pair, where both are known."""
-    others = [other for other in range(len(walk.feet)) if other != row and walk.paired(row, other)]
-    own = stood[row]
-    other = stood[others[0]] if len(others) == 1 else None
+    others = [other for other in range(len(legs)) if other != row and walk.paired(row, other)]
+    own = legs[row].stood
+    other = legs[others[0]].stood if len(others) == 1 else None
     if own is None or other is None:
         return {}
     return steps(walk.feet[row].strides, own, other, walk.feet[others[0]].stances.touchdown)
@@ -213,3 +219,164 @@ def _cost(walk: Walk, absolute_j: Floats) -> float | None:
     known = np.isfinite(absolute_j) & np.isfinite(displacement)
     total = float(displacement[known].sum())
     return float(absolute_j[known].sum()) / (weight * total) if total >= SHORTEST_PATH_M else None
+
+
+TRANSFORM_RATE_HZ: Final = 200.0
+JOINT_RATE_HZ: Final = 100.0
+SLOWEST_NS: Final = 11_000_000
+"""ns: a foot that is told less often has no velocity at touchdown."""
+
+
+def link_tracks(
+    joints: Sequence[kinematics.Joint], tracks: Mapping[str, JointTrack]
+) -> dict[str, FrameTrack]:
+    """Return the links that joints move, `JOINT_RATE_HZ` times a second, and those that rest.
+
+    Args:
+        joints: of a robot description; those that nothing tells are left out.
+        tracks: by name.
+    """
+    links: dict[str, FrameTrack] = {}
+    start = np.zeros(1, np.int64)
+    for joint in joints:
+        position, times, moves = np.zeros(1), (start, start), False
+        if joint.kind != "fixed":
+            track = tracks.get(joint.measured)
+            if track is None:
+                continue
+            # A joint that never moves is where it is, in its silences, too.
+            moves = track.moves
+            rows = np.flatnonzero(first_at_each_tick(track.time, JOINT_RATE_HZ)) if moves else [0]
+            position = track.position[rows].astype(np.float64)
+            times = track.time[rows], track.log_time[rows]
+        shift, turn = kinematics.link_poses([joint], position[:, None])
+        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
+        links |= {joint.child: found} if found else {}
+    return links
+
+
+def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootPath | None:
+    """Return the path of a foot in the base's frame; None where too little is known.
+
+    Args:
+        chain: of the foot.
+        frames: by transforms and joints.
+    """
+    if chain is None or not frames.keys() >= set(chain.frames):
+        return None
+    moving = [frame for frame in chain.frames if not frames[frame].static]
+    if not moving:
+        return None
+    last = frames[moving[0]]
+    rows = first_at_each_tick(last.time, TRANSFORM_RATE_HZ)
+    time, log_time = last.time[rows], last.log_time[rows]
+    poses = lookup(frames, chain.frames[0], chain.base, time, log_time)
+    position = poses.translation + rotate(poses.rotation, np.array([chain.point]))
+    position[~poses.known] = np.nan
+    return known_path(time, position.astype(np.float32)) if poses.known.any() else None
+
+
+APPROACH: Final = np.linspace(-0.03, 0.0, 4)
+"""s before a touchdown at which the foot's places tell its velocity."""
+SHORTEST_STEP_M: Final = 0.05
+"""m: a shorter swing does not tell the direction of walking."""
+SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
+STEPS: Final = ("step_length_m", "step_width_m")
+
+
+def swings(
+    path: FootPath, stood: Footfalls, strides: Strides, contact_interval_s: float
+) -> tuple[dict[str, Floats], Shape]:
+    """Measure a foot's swings.
+
+    Args:
+        path: of the foot in the world.
+        stood: its footfalls, by stance.
+        strides: of the foot, whose stances have one after them.
+        contact_interval_s: s between its contact samples: touchdowns may be so much earlier.
+
+    Returns:
+        (strides,) each of `SWINGS`, NaN where not known; and the height over the stride above the
+        line between the footfalls before and after, m.
+    """
+    before, after = stood.position[strides.stance], stood.position[strides.stance + 1]
+    known = path.unbroken(strides.touchdown, strides.end)
+    known &= np.isfinite(before).all(axis=1) & np.isfinite(after).all(axis=1)
+
+    def height_from(start: Ints) -> Floats:
+        """(strides, points) m, above the line between the footfalls, from some times to the end."""
+        time = start[:, None] + np.rint((strides.end - start)[:, None] * CYCLE).astype(np.int64)
+        return _above_line(path.at(time), before[:, None], after[:, None])
+
+    length = np.hypot(*(after - before)[:, :2].T)
+    velocity = _approach(path, strides, contact_interval_s)
+    values = (
+        np.where(known, height_from(strides.liftoff).max(axis=1), np.nan),
+        np.where(known, length, np.nan),
+        -velocity[:, 2],
+        np.hypot(velocity[:, 0], velocity[:, 1]),
+    )
+    return dict(zip(SWINGS, values, strict=True)), cycle_curve(
+        height_from(strides.touchdown)[known]
+    )
+
+
+def is_slow(path: FootPath, contact_interval_s: float) -> bool:
+    """Tell whether path or contacts are sampled too rarely for velocities at touchdown."""
+    if len(path.time) < 2 or contact_interval_s * 1e9 > SLOWEST_NS:
+        return True
+    return float(median_of(np.diff(path.time))) > SLOWEST_NS
+
+
+def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
+    """Return how high points lie above the line between two footfalls; shapes broadcast, m."""
+    displacement = after - before
+    squared = displacement[..., 0] ** 2 + displacement[..., 1] ** 2
+    since = position - before
+    along = since[..., 0] * displacement[..., 0] + since[..., 1] * displacement[..., 1]
+    share = np.where(squared > 1e-6, along / np.maximum(squared, 1e-6), 0.5)
+    height: Floats = since[..., 2] - np.clip(share, 0.0, 1.0) * displacement[..., 2]
+    return height
+
+
+def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:
+    """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
+
+    It is the slope there of the parabola that fits its places at the times of `APPROACH`. NaN where
+    path or contacts are told too rarely, or the swing is shorter.
+    """
+    if is_slow(path, contact_interval_s):
+        return np.full((len(strides.end), 3), np.nan)
+    aloft = strides.end - round(contact_interval_s * 1e9)
+    time = aloft[:, None] + np.rint(APPROACH * 1e9).astype(np.int64)
+    slope = np.linalg.pinv(np.stack([APPROACH**0, APPROACH, APPROACH**2], axis=-1))[1]
+    velocity = np.einsum("t,ntc->nc", slope, path.at(time))
+    velocity[time[:, 0] < strides.liftoff] = np.nan
+    return np.asarray(velocity)
+
+
+def steps(
+    strides: Strides, stood: Footfalls, other: Footfalls, other_touchdown: Ints
+) -> dict[str, Floats]:
+    """Measure the steps that a foot's swings end with, against the other foot of its pair.
+
+    Args:
+        strides: of the foot.
+        stood: its footfalls, by stance.
+        other: those of the other foot.
+        other_touchdown: (k,) ns, of the other foot.
+
+    Returns:
+        (strides,) each of `STEPS`: m from the other foot's footfall along the foot's own swing, and
+        across it; NaN where not known.
+    """
+    before, after = stood.position[strides.stance], stood.position[strides.stance + 1]
+    row = np.searchsorted(other_touchdown, strides.end) - 1
+    there = np.full((len(row), 3), np.nan)
+    there[row >= 0] = other.position[row[row >= 0]]
+    displacement, step = (after - before)[:, :2], (after - there)[:, :2]
+    length = np.hypot(displacement[:, 0], displacement[:, 1])
+    length[~(length >= SHORTEST_STEP_M)] = np.nan
+    along = (step * displacement).sum(axis=1) / length
+    across = np.abs(step[:, 0] * displacement[:, 1] - step[:, 1] * displacement[:, 0]) / length
+    return dict(zip(STEPS, (along, across), strict=True))

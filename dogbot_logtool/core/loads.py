@@ -32,9 +32,6 @@ ENOUGH: Final = 0.99
 """Share of the loaded time in which the vertical force must be known for totals to be given."""
 CARRIED: Final = 0.05
 """By how much the impulse of the other feet may miss the weight when one is lifted."""
-STUCK: Final = 0.99
-"""Share of neighbouring loaded samples that are equal in a sensor that is stuck."""
-STUCK_SAMPLES: Final = 40
 
 
 class WalkLoads(NamedTuple):
@@ -284,14 +281,7 @@ def is_stuck(foot: FootHistory, feet: Sequence[FootHistory]) -> bool:
 
     Where no force varies the robot stands still, in a simulator without noise.
     """
-    varies = (each.loaded > 0 and not _is_constant(each) for each in feet)
-    return _is_constant(foot) and any(varies)
-
-
-def _is_constant(foot: FootHistory) -> bool:
-    """Tell whether a foot's force never varies while it is loaded."""
-    enough = foot.loaded >= STUCK_SAMPLES
-    return enough and foot.repeated >= STUCK * (foot.loaded - len(foot.stances.touchdown))
+    return foot.is_constant and any(len(each.in_contact) and not each.is_constant for each in feet)
 
 
 CELL_RATE_HZ: Final = 25.0

@@ -624,7 +624,7 @@ class Check:
     outcome: str
     """passed, failed, not made or does not apply."""
     reason: Text
-    """Why, unless it passed."""
+    """Why it failed or was not made."""
 
 
 @dataclass(frozen=True, slots=True)

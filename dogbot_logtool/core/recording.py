@@ -1,12 +1,12 @@
 """A whole log as columns: all that is measured is computed from these."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import Stamped
@@ -118,3 +118,32 @@ class Recording:
 def has_own_stamps(columns: Stamped) -> bool:
     """Tell whether messages have stamps, and not only the log times that stand in for them."""
     return bool(columns.stamp.any() and (columns.stamp != columns.log_time).any())
+
+
+LARGEST: Final = 1e9
+"""m, m/s, rad/s or N: beyond the moon, faster than light, stronger than any rocket."""
+_BOUNDED: Final = ("position", "translation", "linear_velocity", "force")
+
+
+def _beyond(vectors: Floats) -> Flags:
+    """(n,) which rows of (n, k) are finite but have a number beyond the bound."""
+    if not len(vectors) or (vectors.min() >= -LARGEST and vectors.max() <= LARGEST):
+        return np.zeros(len(vectors), np.bool_)
+    return np.asarray((np.abs(vectors) > LARGEST).any(axis=1)) & all_finite(vectors)
+
+
+def plausible(columns: AnyColumns) -> tuple[AnyColumns, int]:
+    """Take poses, forces and places that no robot reaches for NaN; count the rows with one.
+
+    The bound is low enough that no metric made of numbers within it overflows.
+    """
+    own: Any = columns
+    far = {name: _beyond(getattr(own, name)) for name in _BOUNDED if hasattr(own, name)}
+    changes = {
+        name: np.where(rows[:, None], np.nan, getattr(own, name))
+        for name, rows in far.items()
+        if rows.any()
+    }
+    if not changes:
+        return columns, 0
+    return replace(own, **changes), int(np.any(list(far.values()), axis=0).sum())

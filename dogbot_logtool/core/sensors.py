@@ -20,15 +20,19 @@ from dogbot_logtool.core.arrays import (
     runs_of,
     sorted_runs,
 )
-from dogbot_logtool.core.contact.contact_rule import HEAVILY_FILTERED, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.modes import CONSTANT
+from dogbot_logtool.core.corrections.modes import ALTERNATE, CONSTANT, NOISY, WIDE
 from dogbot_logtool.core.corrections.sensor import (
+    ANY_FORCE_N,
+    DEBOUNCE_S,
     SURE,
+    ContactRule,
     SensorLevel,
+    Thresholds,
     estimate_level,
     load_axis,
+    refuted_level,
     without_spikes,
     zero_level,
 )
@@ -72,27 +76,22 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     if weight is not None and not settings.mass_is_assumed:
         levels = fitting_levels(levels, weight)
     estimated = weight_of_levels(levels) if weight is None else None
+    # A robot that stands in a simulator without noise has no force that varies.
+    some_vary = any(
+        level.reason != CONSTANT and (level.refuted or level.loaded_n) for level in levels
+    )
     found = []
-    for foot, level in zip(settings.feet, levels, strict=True):
-        rule = contact_rule(level, weight or estimated, settings.thresholds)
+    for foot, level, samples in zip(settings.feet, levels, feet, strict=True):
+        interval_s = usual_interval_s(samples.log_time)
+        rule = contact_rule(level, weight or estimated, settings.thresholds, interval_s)
         if foot.has_flags:
-            rule = rule._replace(by_flag=True, backdates=False, unusable="")
-        elif _is_stuck(level) and any(_varies(each) for each in levels):
+            rule = rule._replace(by_flag=True, unusable="")
+        elif some_vary and level.reason == CONSTANT and level.loaded_n:
             rule = rule._replace(unusable="its sensor reads one constant force while others vary")
         if foot.low_pass and not foot.low_pass.resolved:
             rule = rule._replace(unusable=HEAVILY_FILTERED)
         found.append(foot._replace(level=level, rule=rule))
     return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
-
-
-def _is_stuck(level: SensorLevel) -> bool:
-    """Tell whether a sensor reads one force throughout."""
-    return level.reason == CONSTANT and bool(level.loaded_n)
-
-
-def _varies(level: SensorLevel) -> bool:
-    """Tell whether a sensor reads forces that are not always the same."""
-    return level.reason != CONSTANT and (level.refuted or bool(level.loaded_n))
 
 
 def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
@@ -105,11 +104,11 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
     """
     time, force = samples.log_time, samples.force
     if foot.offset_n is None:
-        zero = SensorLevel(zero_in_swing=True, interval_s=usual_interval_s(time))
+        zero = SensorLevel(zero_in_swing=True)
         if foot.silent_in_swing:
             # Its samples are those in contact only, and their mean is no mean over strides.
             pressed = force[all_finite(force)]
-            level = zero_level(time, np.concatenate([np.zeros((len(pressed) + 3, 3)), pressed]))
+            level = zero_level(np.concatenate([np.zeros((len(pressed) + 3, 3)), pressed]))
             return replace(level or zero, mean_n=None)
         if not foot.has_force:
             return zero
@@ -122,7 +121,7 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
         if level.zero_in_swing or (takes and level.reason):
             return level
         if takes:
-            return level if _is_steady(level, time, force) else level.without_offset(STEPS)
+            return level if _is_steady(level, time, force) else refuted_level(STEPS)
     offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
     rest = estimate_level(time, force - offset)
     knots = np.zeros(1, np.int64)
@@ -144,21 +143,16 @@ def without_offset(samples: Samples, foot: FootSettings) -> Samples:
         foot: with its sensor.
     """
     level = foot.level
-    if not len(samples.log_time):
-        return samples
-    reads_offset = bool(level.offset.any()) or not foot.lists_contacts
-    if not (reads_offset or level.drops_out):
+    if foot.lists_contacts and not level.offset.any():
         return samples
     force = samples.force.copy()
-    recorded_zero = (force == 0.0).all(axis=1)
-    if reads_offset:
-        force -= level.offset_at(samples.log_time)
-        if foot.only_presses:
-            force = np.where(force < 0.0, 0.0, force)
-        # A force that is not a number is below no threshold.
-        force[norms(force) < foot.rule.off_n] = 0.0
+    force -= level.offset_at(samples.log_time)
+    if foot.only_presses:
+        force = np.where(force < 0.0, 0.0, force)
+    # A force that is not a number is below no threshold.
+    force[norms(force) < foot.rule.off_n] = 0.0
     if level.drops_out:
-        force[recorded_zero] = np.nan
+        force[(samples.force == 0.0).all(axis=1)] = np.nan
     touches = (force != 0.0).any(axis=1)
     if foot.lists_contacts:
         touches &= samples.in_contact
@@ -188,7 +182,7 @@ def fitting_levels(levels: Levels, weight_n: float) -> Levels:
         return levels
     worsens = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
     return tuple(
-        level.without_offset(worsens)
+        refuted_level(worsens)
         if level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
         else level
         for level in levels
@@ -223,3 +217,86 @@ def _is_steady(level: SensorLevel, log_time: Ints, force: Floats) -> bool:
     # The log's end may cut the last ones.
     unseen = ~np.isin(window[first], of_swings) & (window[first] < window[-1])
     return not ((strays | unseen) & (high - low > limit + loaded / 2.0)).any()
+
+
+ZERO_ON: Final = 0.05
+"""Share of the weight from which a foot is in contact whose sensor reads zero in swing."""
+ZERO_OFF: Final = 1e-4
+"""Share of the weight below which that contact ends."""
+NOISY_ON, NOISY_OFF = 0.08, 0.04
+"""The same of any other sensor, where two feet carry the robot."""
+FEET_THAT_CARRY: Final = 2.0
+"""Feet whose usual load is the weight for those thresholds; of a foot that carries less, as one of
+six does, they are shares of so many times its usual load."""
+ON_NOISES, OFF_NOISES = 5.0, 3.0
+"""Thresholds are at least so many standard deviations of the noise."""
+ON_WOBBLES: Final = 1.25
+"""Times the furthest that an unloaded sensor strays, by a leg's inertia."""
+ON_TO_OFF: Final = 0.8
+"""Contact then ends at the furthest itself, or at this share of `on` at most."""
+MOST_OF_LOAD: Final = 0.5
+"""Largest share of the usual load that may be needed to detect contact."""
+STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
+"""Reasons of an unknown level with which a load that comes and goes is no sure contact."""
+HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides contact"
+DEBOUNCE_INTERVALS: Final = 1.5
+"""Shorter swings and stances are no longer than one sample."""
+BRIEF: Final = 0.0625
+"""Share of a usual swing below which another foot has taken the load for a moment."""
+MOST_DEBOUNCE_S: Final = 10.0
+"""No foot steps more slowly: such intervals are those of stamps gone wrong."""
+
+
+def contact_rule(
+    level: SensorLevel,
+    weight_n: float | None,
+    given: Thresholds,
+    interval_s: float | None,
+) -> ContactRule:
+    """Return what counts as contact for a sensor.
+
+    Args:
+        level: how it reads with and without load.
+        weight_n: N, the robot's; None: not known, then the foot's own usual load stands for it.
+        given: thresholds that are not to be chosen here.
+        interval_s: s, usual sampling interval; None: not known.
+    """
+    scale = weight_n or level.loaded_n or 0.0
+    noise = level.noise_n or 0.0
+    if level.zero_in_swing:
+        on, off = ZERO_ON * scale, ZERO_OFF * scale
+    else:
+        carried = min(scale, FEET_THAT_CARRY * (level.loaded_n or scale))
+        on = max(NOISY_ON * carried, ON_NOISES * noise, ON_WOBBLES * level.wobble_n)
+        off = max(NOISY_OFF * carried, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
+    on = given.on_n or max(on, ANY_FORCE_N)
+    off = min(given.off_n or off, on)
+    usual_s = max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (interval_s or 0.0))
+    estimated = weight_n is None or level.origin == "estimated"
+    return ContactRule(
+        on_n=on,
+        off_n=off,
+        brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
+        debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
+        origin=given.origin if given.on_n else "estimated" if estimated else "default",
+        unusable="" if given.on_n else _why_unusable(level, on, off),
+    )
+
+
+def _why_unusable(level: SensorLevel, on_n: float, off_n: float) -> str:
+    """Say why a sensor cannot tell contact with some thresholds, N; empty where it can."""
+    if level.refuted:
+        return level.reason
+    loaded, lightest = level.loaded_n, level.lightest_n
+    if loaded is None:
+        return ""
+    if on_n > MOST_OF_LOAD * loaded:
+        return (
+            f"contact would need {on_n:.3g} N, more than half of the {loaded:.3g} N that "
+            "the foot usually carries"
+        )
+    if level.reason in STEPS_UNCLEAR and lightest is not None and lightest < off_n:
+        return (
+            f"its load comes and goes, but what it reads without load is not known: {level.reason}"
+        )
+    return ""

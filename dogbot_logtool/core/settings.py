@@ -4,10 +4,16 @@ from dataclasses import dataclass, field
 from math import pi
 from typing import Final, NamedTuple
 
-from dogbot_logtool.core.contact.contact_rule import ContactRule, Thresholds, contact_rule
 from dogbot_logtool.core.contact.filtered import Filter
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
+from dogbot_logtool.core.corrections.sensor import (
+    ANY_FORCE_N,
+    DEBOUNCE_S,
+    ContactRule,
+    Origin,
+    SensorLevel,
+    Thresholds,
+)
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition, are_some_of
 
@@ -15,10 +21,6 @@ FORWARD_ANGLES: Final = {"+x": 0.0, "+y": pi / 2.0, "-x": pi, "-y": -pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
-
-
-_ZERO_IN_SWING: Final = SensorLevel(zero_in_swing=True)
-_ANY_FORCE: Final = contact_rule(_ZERO_IN_SWING, None)
 
 
 def body_weight_n(mass_kg: float | None) -> float | None:
@@ -49,9 +51,9 @@ class FootSettings(NamedTuple):
     offset_from: Origin = "option"
     low_pass: Filter | None = None
     """The filter that its forces went through; None: none."""
-    level: SensorLevel = _ZERO_IN_SWING
+    level: SensorLevel = SensorLevel(zero_in_swing=True)
     """How its sensor reads without load and under it, once that is learnt from its samples."""
-    rule: ContactRule = _ANY_FORCE
+    rule: ContactRule = ContactRule(ANY_FORCE_N, 0.0, DEBOUNCE_S)
     """What counts as contact of it, likewise."""
 
 
@@ -76,8 +78,6 @@ class WalkSettings:
     foot_rolling_m: float | None = None
     """m, way of the contact point in a stance without slip; None: not known."""
     thresholds: Thresholds = field(default_factory=Thresholds)
-    contact_on_counts: float | None = None
-    """Threshold of raw sensors without a scale; the reader has applied it."""
     takes_offsets: bool = True
     """Whether offsets that are not given are estimated from the samples."""
     world_frame: str | None = None

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, nearest_rows
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, dots, nearest_rows, norms
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import POINT_RATE_HZ
@@ -216,13 +216,14 @@ def _at(
     hull, standing = hulls(points[:, :, :2]), np.isfinite(points[:, :, 0])
     down = np.stack([timespans.covers(foot.in_contact, time) for foot in feet], axis=1)
     placed = (standing == down).all(axis=1) & np.isfinite(body[:, 0])
+    margin = np.where(placed, margin_in(hull, body[:, :2]), np.nan)
     pressure = centre_of_pressure(points[:, :, :2], load)
     away = pressure - base.position_at(time)[:, :2]
     ahead, left = along_heading(away, base.angles_at(time)[:, 2] + forward_rad)
     return (
         placed,
-        np.where(placed, margin_in(hull, body[:, :2]), np.nan),
-        np.where(placed, energy_margin_in(hull, points, body), np.nan),
+        margin,
+        energy_margin_in(hull, points, body, margin),
         placed & (standing.sum(axis=1) >= FEWEST_FEET),
         pressure,
         np.where(placed, ahead, np.nan),
@@ -260,7 +261,7 @@ def feet_down(instants: Ints, feet: Sequence[FootHistory]) -> tuple[Floats, Floa
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def energy_margin_in(hull: Hulls, points: Floats, body: Floats) -> Floats:
+def energy_margin_in(hull: Hulls, points: Floats, body: Floats, static: Floats) -> Floats:
     """Return the energy stability margin over the weight.
 
     The robot tips over an edge of its support polygon when its centre of gravity turns about that
@@ -273,19 +274,16 @@ def energy_margin_in(hull: Hulls, points: Floats, body: Floats) -> Floats:
         hull: of the feet seen from above.
         points: (n, feet, 3) m, where feet stand; NaN where a foot is not down.
         body: (n, 3) m, the centre of gravity, in the same world.
+        static: (n,) m, its static margin.
 
     Returns:
         (n,) m; NaN where the points span no area, or the body's ground projection is outside.
     """
-    lowest = np.full(len(body), np.inf)
-    inside = hull.area.copy()
-    for first, second in np.argwhere(hull.edge.any(axis=2)).tolist():
-        edge = hull.edge[first, second]
-        along, away = points[:, second] - points[:, first], body - points[:, first]
-        inside &= ~edge | (along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0] >= 0.0)
-        length = np.linalg.norm(along, axis=1)
-        unit = along / np.where(length > 0.0, length, 1.0)[:, None]
-        reach = away - (away * unit).sum(axis=1)[:, None] * unit
-        highest = np.linalg.norm(reach, axis=1) * np.hypot(unit[:, 0], unit[:, 1])
-        lowest = np.where(edge, np.minimum(lowest, highest - reach[:, 2]), lowest)
-    return np.where(inside, lowest, np.nan)
+    first, second, row = np.nonzero(hull.edge)
+    start = points[row, first]
+    along, away = points[row, second] - start, body[row] - start
+    unit = along / norms(along)[:, None]
+    reach = away - dots(away, unit)[:, None] * unit
+    least = np.full(len(body), np.inf)
+    np.minimum.at(least, row, norms(reach) * np.hypot(unit[:, 0], unit[:, 1]) - reach[:, 2])
+    return np.where(static >= 0.0, least, np.nan)

@@ -5,7 +5,7 @@ their log times, put on the clock of the base by how far the base's stamps lie b
 delay then includes that of the recorder, and a finding says so.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from dogbot_logtool.core.corrections.clock import (
     offset_track,
     too_far_apart,
 )
-from dogbot_logtool.core.metrics import Commands, Imu, Tracking, Turning
+from dogbot_logtool.core.metrics import Commands, Imu, Planned, Tracking, Turning
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.recording import VectorSamples
 from dogbot_logtool.core.records import Number
@@ -128,9 +128,6 @@ class CommandTrack(NamedTuple):
     measured: Floats
     opposed: tuple[str, ...]
     """The axes of which the base does the opposite of the command."""
-    drifts: Mapping[str, Floats]
-    """(3,) mean velocity while ``straight`` ahead is commanded, and while the robot steps ``in
-    place``, where it does so for long enough."""
 
     @property
     def breaks(self) -> Ints:
@@ -159,6 +156,19 @@ class CommandTrack(NamedTuple):
         )
 
 
+class PlannedFoot(NamedTuple):
+    """A foot's measured steps against its planned ones, in the time that is known of both."""
+
+    topic: str
+    """Topic of the plan."""
+    touchdowns: int
+    """Planned ones."""
+    early: int
+    """Matched touchdowns that are early by more than a sample and `ON_TIME_S`. Also `late`."""
+    late: int
+    metrics: Planned
+
+
 Reading = Literal["m/s^2", "g", "without gravity", "nothing", "another scale", "unclear"]
 """The kind of readings of an accelerometer."""
 
@@ -180,8 +190,5 @@ class ImuComparison(NamedTuple):
     reading: Reading
     scale: float
     """Reading over expected value."""
-    turned_rad: float | None
-    """Turn of the horizontal accelerations against those of poses, to the left; None: none that is
-    clear."""
     forces: ForceComparison | None
     """None: no mass, or vertical forces are not known."""

@@ -7,9 +7,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import BaseTrack, base_motion
+from dogbot_logtool.core.base.motion import BaseTrack, Tipping, base_motion
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.base.witness import POINTS, Witness
 from dogbot_logtool.core.consistency import Delay, Worlds
@@ -17,8 +16,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.gait.strides import typical_period_s
-from dogbot_logtool.core.gait.support import Standing, Support, support
+from dogbot_logtool.core.gait.strides import Standing, Support, support, typical_period_s
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads, loads_of
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
@@ -30,8 +28,7 @@ from dogbot_logtool.finding import Finding
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import LegFigures
-    from dogbot_logtool.core.planned import PlannedFoot
-    from dogbot_logtool.core.vectors import CommandTrack, ImuComparison
+    from dogbot_logtool.core.vectors import CommandTrack, ImuComparison, PlannedFoot
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

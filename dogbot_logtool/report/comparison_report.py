@@ -26,16 +26,16 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
     for damage in comparison.damage:
         print_sentence(console, (" damage  ", "red"), printable(damage.line))
         print_losses(console, damage)
-    shown = comparison.tallies
-    if len(shown) > _MOST_ROWS:
-        shown = [tally for tally in shown if not tally.same][:_MOST_ROWS]
-    if shown:
-        console.print(_table(comparison, shown), crop=False)
-    if more := len(comparison.tallies) - len(shown):
+    rows = comparison.tallies
+    if len(rows) > _MOST_ROWS:
+        rows = [tally for tally in rows if not tally.same][:_MOST_ROWS]
+    if rows:
+        console.print(_table(comparison, rows), crop=False)
+    if more := len(comparison.tallies) - len(rows):
         different = sum(not tally.same for tally in comparison.tallies)
-        different -= sum(not tally.same for tally in shown)
+        different -= sum(not tally.same for tally in rows)
         print_sentence(console, f"... and {more} more, {different} of them different")
-    for tally in shown:
+    for tally in rows:
         if tally.note:
             print_sentence(console, printable(f"{tally.name}: {tally.note}"))
     for difference in comparison.differences:
@@ -44,12 +44,12 @@ def show_comparison(comparison: Comparison, console: Console) -> None:
         print_sentence(console, f"... and {more} more")
 
 
-def _table(comparison: Comparison, shown: Sequence[Tally]) -> NameTable:
+def _table(comparison: Comparison, rows: Sequence[Tally]) -> NameTable:
     # Plain ASCII columns: what is redirected into a file is read in a browser or mailed.
     unit = comparison.unit
     counts = "equal", "within tolerance", "different", "missing", "extra", "largest |d|"
     headings = ("topic" if unit == "messages" else "part", unit, *counts)
-    return NameTable(headings, [_tally_row(tally) for tally in shown])
+    return NameTable(headings, [_tally_row(tally) for tally in rows])
 
 
 def _tally_row(tally: Tally) -> Row:
@@ -157,9 +157,9 @@ def print_gait_comparison(console: Console, found: GaitComparison, *, verbose: b
     style = "bold red" if differing else "green"
     verdict = f"{len(differing)} of {len(all_of_them)} metrics differ"
     print_sentence(console, (verdict, style), f" (at {CONFIDENCE:.0%} over all of them)")
-    shown = all_of_them if verbose else differing
-    if shown:
-        console.print(NameTable(_HEADINGS, [_metric_row(each) for each in shown]), crop=False)
+    rows = all_of_them if verbose else differing
+    if rows:
+        console.print(NameTable(_HEADINGS, [_metric_row(each) for each in rows]), crop=False)
 
 
 def _metric_row(each: MetricDifference) -> Row:

@@ -75,8 +75,8 @@ def _frame_name(console: Console, info: LogInfo, row: TreeRow) -> Text:
     remark = "  ..." if row.cut else "  (see above)" if row.again else ""
     if (row.parent, row.frame) == info.added_transform:
         remark += "  <- added by convert, from odometry"
-    shown = guides.translate(_ASCII) if console.options.ascii_only else guides
-    return Text.assemble((shown, "dim"), printable(row.frame), (remark, "dim"))
+    drawn = guides.translate(_ASCII) if console.options.ascii_only else guides
+    return Text.assemble((drawn, "dim"), printable(row.frame), (remark, "dim"))
 
 
 def _cells(edge: FrameEdge) -> list[str]:

@@ -10,15 +10,7 @@ from typing import Any, Final, NamedTuple
 from dogbot_logtool.core.scene.feet import foot_colour
 from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.reader.containers.loss import SOUND, Damage
-from dogbot_logtool.writer.topics import (
-    EVENTS_TOPIC,
-    LEGS_TOPIC,
-    ROBOT_DESCRIPTION_TOPIC,
-    SUPPORT_TOPIC,
-    arrow_topic,
-    label_topic,
-    load_topic,
-)
+from dogbot_logtool.writer import topics
 
 _ASIDE_DEG: Final = 75.0
 """The camera looks at the robot's front from this much to its right: nearer to the front, a
@@ -99,14 +91,14 @@ def foxglove_layout(view: View) -> Json:
         "target_height": round(0.05 * view.size_m, 2),
         # Without stamps, transforms read ahead would take the place of the present ones.
         "has_stamps": view.has_stamps,
-        "events_topic": EVENTS_TOPIC,
+        "events_topic": topics.EVENTS,
     }
     layout: Json = _filled(_template("foxglove.json"), names)
     panels = layout["configById"]
     curve, gait = panels.pop("Plot!load"), panels.pop("StateTransitions!gait")
-    drawn = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
-    topics = (*drawn, SUPPORT_TOPIC, LEGS_TOPIC, ROBOT_DESCRIPTION_TOPIC)
-    panels["3D!robot"]["topics"] = {topic: {"visible": True} for topic in topics}
+    of_feet = [topic(foot) for foot in view.feet for topic in (topics.arrow, topics.label)]
+    drawn = (*of_feet, topics.SUPPORT, topics.LEGS, topics.ROBOT_DESCRIPTION)
+    panels["3D!robot"]["topics"] = {topic: {"visible": True} for topic in drawn}
     per_panel = max(-(-len(view.feet) // _MOST_CURVES), 1)
     rows = range(len(view.feet))
     stack = {
@@ -140,7 +132,7 @@ def _paths(panel: Json, view: View, rows: Sequence[int]) -> list[Json]:
             {
                 "foot": view.feet[row],
                 "colour": foot_colour(row),
-                "load_topic": load_topic(view.feet[row]),
+                "load_topic": topics.load(view.feet[row]),
             },
         )
         for row in rows
@@ -173,10 +165,10 @@ def rviz_config(view: View) -> Json:
     config: Json = _filled(_template("rviz.json"), names)
     displays = config["Visualization Manager"]["Displays"]
     markers = displays.pop()
-    topics = [topic(foot) for foot in view.feet for topic in (arrow_topic, label_topic)]
-    displays += [_filled(markers, {"kind": "Marker", "topic": topic}) for topic in topics]
-    displays.append(_filled(markers, {"kind": "Marker", "topic": LEGS_TOPIC}))
-    displays.append(_filled(markers, {"kind": "MarkerArray", "topic": SUPPORT_TOPIC}))
+    of_feet = [topic(foot) for foot in view.feet for topic in (topics.arrow, topics.label)]
+    displays += [_filled(markers, {"kind": "Marker", "topic": topic}) for topic in of_feet]
+    displays.append(_filled(markers, {"kind": "Marker", "topic": topics.LEGS}))
+    displays.append(_filled(markers, {"kind": "MarkerArray", "topic": topics.SUPPORT}))
     return config
 
 

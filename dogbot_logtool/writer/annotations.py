@@ -11,28 +11,15 @@ import numpy as np
 from dogbot_logtool.core.arrays import Flags, Ints, rows_by_group
 from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages
 from dogbot_logtool.core.scene.arrows import Arrows
-from dogbot_logtool.core.scene.feet import short_names
-from dogbot_logtool.core.scene.loads import Labels, Loads
+from dogbot_logtool.core.scene.feet import Labels, Loads, short_names
 from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene
-from dogbot_logtool.writer import described, markers
+from dogbot_logtool.writer import described, markers, topics
+from dogbot_logtool.writer.chunks import MessageRecords, by_channel, of_payloads
 from dogbot_logtool.writer.described import LOAD_STATES, Described
 from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
 from dogbot_logtool.writer.encodings.registry import texts
 from dogbot_logtool.writer.markers import Look
-from dogbot_logtool.writer.message_records import MessageRecords, by_channel, of_payloads
 from dogbot_logtool.writer.template import Records, Template
-from dogbot_logtool.writer.topics import (
-    EVENTS_TOPIC,
-    GAIT_TOPIC,
-    LEGS_TOPIC,
-    ROBOT_DESCRIPTION_TOPIC,
-    SPANS_TOPIC,
-    SUPPORT_TOPIC,
-    TF_TOPIC,
-    arrow_topic,
-    label_topic,
-    load_topic,
-)
 
 _TEMPLATES_KEPT: Final = 1024
 """Templates that are kept for later messages and for other logs of a run."""
@@ -63,20 +50,19 @@ class WantedAnnotations(NamedTuple):
 def types_by_topic(encoding: Encoding, wanted: WantedAnnotations) -> dict[str, MessageType]:
     """Return the topics of an output's annotations, and the types of their messages."""
     names = {
-        TF_TOPIC: described.TF if wanted.has_transforms else "",
-        **{arrow_topic(foot): described.MARKER for foot in wanted.feet},
-        **{load_topic(foot): described.LOAD for foot in wanted.feet},
-        **{label_topic(foot): described.MARKER for foot in wanted.feet},
-        SUPPORT_TOPIC: described.MARKERS if wanted.has_support else "",
-        LEGS_TOPIC: described.MARKER if wanted.has_legs else "",
-        ROBOT_DESCRIPTION_TOPIC: "",
-        EVENTS_TOPIC: described.LOG,
-        GAIT_TOPIC: described.GAIT,
-        SPANS_TOPIC: described.SPAN,
+        topics.TF: described.TF if wanted.has_transforms else "",
+        **{topics.arrow(foot): described.MARKER for foot in wanted.feet},
+        **{topics.load(foot): described.LOAD for foot in wanted.feet},
+        **{topics.label(foot): described.MARKER for foot in wanted.feet},
+        topics.SUPPORT: described.MARKERS if wanted.has_support else "",
+        topics.LEGS: described.MARKER if wanted.has_legs else "",
+        topics.EVENTS: described.LOG,
+        topics.GAIT: described.GAIT,
+        topics.SPANS: described.SPAN,
     }
     types = {topic: encoding.types.get(name) for topic, name in names.items()}
     if wanted.description:
-        types[ROBOT_DESCRIPTION_TOPIC] = texts(wanted.description).types[described.STRING]
+        types[topics.ROBOT_DESCRIPTION] = texts(wanted.description).types[described.STRING]
     return {topic: kind for topic, kind in types.items() if kind}
 
 
@@ -99,7 +85,7 @@ class Annotations:
         """Return the message that describes the robot."""
         describing = texts(self._wanted.description)
         made = describing.message(described.text(urdf))
-        channel = self.channels[ROBOT_DESCRIPTION_TOPIC]
+        channel = self.channels[topics.ROBOT_DESCRIPTION]
         return of_payloads(channel, [made], np.array([log_time]))
 
     def messages(self, drawn: Iterable[Drawn]) -> Iterator[MessageRecords]:
@@ -123,18 +109,18 @@ class Annotations:
             case TransformMessages():
                 base = ((frame, self._wanted.base_frame),)
                 pairs = self._wanted.links if isinstance(drawn, LinkTransforms) else base
-                return TF_TOPIC, described.transforms, (tuple(pairs),)
+                return topics.TF, described.transforms, (tuple(pairs),)
             case Arrows():
-                return arrow_topic(foot), markers.arrow, (foot, frame, look, not layout[1])
+                return topics.arrow(foot), markers.arrow, (foot, frame, look, not layout[1])
             case Labels():
                 short = short_names(self._wanted.feet)[layout[0]]
-                return label_topic(foot), markers.label, (foot, frame, short, not layout[1])
+                return topics.label(foot), markers.label, (foot, frame, short, not layout[1])
             case Loads():
-                return load_topic(foot), described.load, (LOAD_STATES[layout[1]], bool(layout[2]))
+                return topics.load(foot), described.load, (LOAD_STATES[layout[1]], bool(layout[2]))
             case SupportScene():
-                return SUPPORT_TOPIC, markers.support, (layout, frame, look)
+                return topics.SUPPORT, markers.support, (layout, frame, look)
             case LegLines():
-                return LEGS_TOPIC, markers.legs, (layout, frame, look)
+                return topics.LEGS, markers.legs, (layout, frame, look)
 
 
 def _layouts(drawn: Drawn) -> Sequence[Ints | Flags]:

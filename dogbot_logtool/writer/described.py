@@ -18,6 +18,7 @@ LOG: Final = "rcl_interfaces/msg/Log"
 STRING: Final = "std_msgs/msg/String"
 LOAD: Final = "dogbot_logtool/msg/Load"
 GAIT: Final = "dogbot_logtool/msg/Gait"
+ROS_TYPES: Final = TF, MARKER, MARKERS, LOG, STRING, LOAD, GAIT
 SPAN: Final = "foxglove/msg/Event"
 """An event from its begin to its end, which ROS has no message for."""
 OWN_FIELDS: Final[Mapping[str, tuple[tuple[str, str, int], ...]]] = {

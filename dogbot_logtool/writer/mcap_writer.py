@@ -35,13 +35,12 @@ class McapWriter:
         self._times: list[int] = []
         """ns, first and last log time of each chunk with messages."""
         self._write(MAGIC)
-        self._write_record(records.Header(profile, f"dogbot-logtool {__version__}"))
+        self._write(_serialise(records.Header(profile, f"dogbot-logtool {__version__}")))
 
     def add(self, *described: records.Schema | records.Channel) -> None:
         """Write schemas, which must come before their channels, or these before their messages."""
         for record in described:
-            self._keep(record)
-            self._write_record(record)
+            self._write(self._keep(record))
 
     def add_chunk(self, chunk: FinishedChunk) -> None:
         """Write a chunk with its message index."""
@@ -97,7 +96,7 @@ class McapWriter:
 
     def finish(self) -> None:
         """Write the end of the data and the summary."""
-        self._write_record(records.DataEnd(self._crc))
+        self._write(_serialise(records.DataEnd(self._crc)))
         numbers = {opcode: len(group) for opcode, group in self._summary.items()}
         statistics = records.Statistics(
             attachment_count=numbers[Opcode.ATTACHMENT_INDEX],
@@ -130,13 +129,11 @@ class McapWriter:
         self._write(self._crc.to_bytes(4, "little"))
         self._write(MAGIC)
 
-    def _keep(self, record: records.McapRecord) -> None:
-        """Keep a record for the summary, where those of a kind stand together."""
+    def _keep(self, record: records.McapRecord) -> bytes:
+        """Keep a record for the summary, where those of a kind stand together; return its bytes."""
         data = _serialise(record)
         self._summary[data[0]].append(data)
-
-    def _write_record(self, record: records.McapRecord) -> None:
-        self._write(_serialise(record))
+        return data
 
     def _write(self, data: bytes | memoryview) -> None:
         self._file.write(data)

@@ -2,27 +2,27 @@
 
 from typing import Final
 
-TF_TOPIC: Final = "/tf"
-ROBOT_DESCRIPTION_TOPIC: Final = "/robot_description"
-SUPPORT_TOPIC: Final = "/support"
-LEGS_TOPIC: Final = "/legs"
-EVENTS_TOPIC: Final = "/events"
-SPANS_TOPIC: Final = "/events/spans"
-GAIT_TOPIC: Final = "/gait"
+TF: Final = "/tf"
+ROBOT_DESCRIPTION: Final = "/robot_description"
+SUPPORT: Final = "/support"
+LEGS: Final = "/legs"
+EVENTS: Final = "/events"
+SPANS: Final = "/events/spans"
+GAIT: Final = "/gait"
 FALLBACK_PREFIX: Final = "/dogbot_logtool"
 """Before a topic that the log has with another type."""
 
 
-def arrow_topic(foot: str) -> str:
+def arrow(foot: str) -> str:
     """Return the topic of a foot's arrows."""
     return f"/marker_basic_{foot}_foot"
 
 
-def load_topic(foot: str) -> str:
+def load(foot: str) -> str:
     """Return the topic of a foot's load."""
     return f"/load/{foot}"
 
 
-def label_topic(foot: str) -> str:
+def label(foot: str) -> str:
     """Return the topic of the label beside a foot."""
     return f"/label/{foot}"

@@ -55,7 +55,7 @@ _FOLDER: Final = TemporaryDirectory(prefix="damaged")
 def made() -> Path:
     """A folder with a sound log, and the same in each container, cut off."""
     folder = Path(_FOLDER.name)
-    walks.write_mcap(folder / "SOUND", walks.Walk(2), walks.messages(2, WRENCHES), 20_000)
+    walks.write_mcap(folder / "SOUND", walks.Walk(2), walks.messages(2, WRENCHES), 30_000)
     shutil.copy(folder / "SOUND", folder / "mcap")
     walks.write_walk(folder, WRENCHES, "bag").rename(folder / "bag")
     bag = walks.write_walk(folder, WRENCHES, "rosbag2-sqlite3").rename(folder / "directory")

@@ -14,7 +14,7 @@ import pytest
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.prepared import LARGEST
+from dogbot_logtool.core.recording import LARGEST
 from dogbot_logtool.io.plain_json import readable_json, to_json
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions

@@ -20,12 +20,13 @@ import pytest
 from dogbot_logtool.robot.robot import load_robot
 from tests.forked_cli import run
 from tests.oracles.recorded import unpacked
-from tests.oracles.walks import Entry, Walk, write_library_mcap
+from tests.oracles.walks import Entry, Walk, write_mcap
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, schema, small_mcap
 from tests.shell import Shell
+from tests.torture.commands import COMMANDS
 
 # --- Logs that describe thousands of topics, or whose spans and counts are odd --------------------
 
@@ -45,7 +46,7 @@ def many_of_a_kind(kind: str, topic: str, path: Path, count: int) -> None:
     walk = Walk(2)
     data = next(entry.data for entry in walk.messages(CONTACTS) if entry.kind == kind)
     entries = (Entry(f"{topic}{n}", kind, n * 1000, data) for n in range(1, count + 1))
-    write_library_mcap(path, walk, entries, 1 << 26)
+    write_mcap(path, walk, entries, 1 << 26)
 
 
 def descriptions_between_messages(path: Path, count: int) -> None:
@@ -95,7 +96,7 @@ def entries(kind: str = "") -> list[Entry]:
 
 
 def write(path: Path, rows: Sequence[Entry]) -> None:
-    write_library_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
+    write_mcap(path, unpacked(TROT, 2)[0], rows, 1_000_000)
 
 
 def set_right(path: Path) -> None:
@@ -197,10 +198,7 @@ def test_a_byte_order_mark_does_not_matter(tmp_path: Path) -> None:
 # --- Logs of odd spans and counts -----------------------------------------------------------------
 
 TOPICS: Final = ("info --frames log", "stats log", "convert -o out.mcap log", "compare log log")
-EVERY: Final = (
-    *("info log", "stats log --set clock=log", "stats log --json", "report log -o page.html"),
-    *("convert log -o out.mcap", "export log --table events -o events.csv", "check --suggest log"),
-)
+EVERY: Final = tuple(each.format(log="log") for each in COMMANDS[::2])
 LOGS: Final[dict[str, tuple[Callable[..., None], Collection[str], Collection[int], str]]] = {
     "a clock set right by 56 years": (set_right, EVERY, (0, 3), ""),
     "30,000 states in a message": (

@@ -49,14 +49,12 @@ def test_convert_says_what_it_wrote(shell: Shell) -> None:
 
 
 def test_the_input_is_never_the_output(shell: Shell) -> None:
-    log = shell.folder / "log.mcap"
-    log.write_bytes(WALK.read_bytes())
+    log = odometry_log(shell.folder / "log.mcap", "/odom")
+    before = log.read_bytes()
     (shell.folder / "link.mcap").symlink_to(log)
-    for target in ("log.mcap", "link.mcap", "./log.mcap"):
-        done = shell("convert", "log.mcap", "-o", target, "--overwrite")
-        assert done.code == 2
-        assert "is the input itself" in done.err
-    assert log.read_bytes() == WALK.read_bytes()
+    done = shell("convert", "log.mcap", "-o", "link.mcap", "--overwrite")
+    assert (done.code, log.read_bytes()) == (2, before)
+    assert "is the input itself" in done.err
 
 
 def test_check_ends_with_1_where_a_rule_is_broken_or_a_metric_unknown(shell: Shell) -> None:
@@ -168,14 +166,10 @@ def test_a_directory_is_not_made_for_nothing(shell: Shell, logs: Path) -> None:
     assert shell("convert", logs / "one.mcap", "-o", "out/").code == 1
     assert shell("convert", logs / "one.mcap", logs / "one.mcap", "-o", "out").code == 1
     assert shell.files() == []
-
-
-def test_a_file_is_no_directory(shell: Shell, logs: Path) -> None:
     (shell.folder / "out").write_text("precious")
-    done = shell("convert", logs / "one.mcap", "-o", "out/deeper/")
-    assert done.code == 2
+    done = shell("convert", logs / "far" / "two.mcap", "-o", "out/deeper/")
+    assert (done.code, shell.files()) == (2, ["out"])
     assert "out: is a file, not a folder" in done.err
-    assert (shell.folder / "out").read_text() == "precious"
 
 
 @pytest.mark.parametrize("name", ["out/", "out"])

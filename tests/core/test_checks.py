@@ -18,7 +18,7 @@ from tests.paths import ROOT
 from tests.truth import scenes
 from tests.truth.outcome import outcome
 from tests.truth.recording import Disturbance, disturbed
-from tests.truth.sequences import then
+from tests.truth.scenes import then
 from tests.truth.time_faults import late_clock
 from tests.truth.walking import Walk
 

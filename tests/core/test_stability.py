@@ -32,6 +32,11 @@ def turned(points: Floats, axis: Floats, angle: float | Floats) -> Floats:
     return np.asarray(points * np.cos(angle) + np.cross(axis, points) * np.sin(angle) + along)
 
 
+def energy_margin(points: Floats, body: Floats) -> Floats:
+    hull = hulls(points[:, :, :2])
+    return energy_margin_in(hull, points, body, margin_in(hull, body[:, :2]))
+
+
 def least_rise(corners: Floats, body: Floats) -> float:
     """Tip the body over each edge in small steps; return the least of the highest rises."""
     rises = []
@@ -53,7 +58,7 @@ def test_the_least_rise_over_an_edge(
     body = turned(BODY[None], np.array(lean), slope_rad)[0]
     points = np.full((1, 4, 3), np.nan)
     points[0, list(feet)] = standing[list(feet)]
-    found = float(energy_margin_in(hulls(points[:, :, :2]), points, body[None])[0])
+    found = float(energy_margin(points, body[None])[0])
     around = {(0, 1, 2, 3): [0, 1, 3, 2], (0, 1, 2): [0, 1, 2]}[feet]
     corner = standing[around]
     edge, away = np.roll(corner, -1, axis=0) - corner, body - corner
@@ -66,5 +71,5 @@ def test_the_least_rise_over_an_edge(
 
 def test_nothing_outside_and_without_an_area() -> None:
     outside = np.array([[0.5, 0.0, 0.4]])
-    assert np.isnan(energy_margin_in(hulls(FEET[None, :, :2]), FEET[None], outside)).all()
-    assert np.isnan(energy_margin_in(hulls(FEET[None, :2, :2]), FEET[None, :2], BODY[None])).all()
+    assert np.isnan(energy_margin(FEET[None], outside)).all()
+    assert np.isnan(energy_margin(FEET[None, :2], BODY[None])).all()

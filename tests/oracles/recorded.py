@@ -11,8 +11,7 @@ from mcap.reader import make_reader
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from tests.oracles.mcap_file import Entry
-from tests.oracles.walks import Walk
+from tests.oracles.walks import Entry, Walk
 
 FEET = ("front_left", "front_right", "back_left", "back_right")
 ODOMETRY = "/dogbot/odom"

@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from mcap.writer import CompressionType
@@ -16,9 +16,17 @@ from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from tests.oracles import mcap_file
 
-Entry = mcap_file.Entry
+class Entry(NamedTuple):
+    """A message of a log."""
+
+    topic: str
+    kind: str
+    log_time: int
+    """ns"""
+    data: bytes
+
+
 LEGS: Final = ("front_left", "front_right", "back_left", "back_right")
 START: Final = 1_700_000_000_000_000_000
 STEP: Final = 10_000_000
@@ -299,35 +307,32 @@ def write_bag(
     return path
 
 
-def write_mcap(path: Path, walk: Walk, entries: list[Entry], chunk_size: int = 1 << 20) -> None:
-    """Write messages of ROS 2 into an MCAP file."""
-    mcap_file.write_mcap(path, entries, walk.definition, chunk_size, "zstd")
-
-
-def write_library_mcap(
+def write_mcap(
     path: Path,
     walk: Walk,
     entries: Iterable[Entry],
-    chunk_size: int = 1 << 18,
+    chunk_size: int = 1 << 20,
     compression: CompressionType = CompressionType.ZSTD,
     *,
     extras: bool = False,
 ) -> Path:
-    """Write an MCAP file with the official library; extras: attachments and metadata, too."""
+    """Write an MCAP file; extras: attachments and metadata, too."""
     profile, encoding = ("ros1", "ros1") if walk.ros == 1 else ("ros2", "cdr")
     with path.open("wb") as stream:
         writer = McapWriter(stream, chunk_size, compression)
         writer.start(profile=profile, library="the tests")
         if extras:
             writer.add_metadata("weather", {"sky": "grey", "wind": "none"})
+        schemas: dict[str, int] = {}
         channels: dict[str, int] = {}
         for topic, kind, log_time, data in entries:
-            if topic not in channels:
+            if kind not in schemas:
                 name = kind.replace("/msg/", "/") if walk.ros == 1 else kind
                 definition = walk.definition(kind).encode()
-                schema = writer.register_schema(name, f"{profile}msg", definition)
+                schemas[kind] = writer.register_schema(name, f"{profile}msg", definition)
+            if topic not in channels:
                 about = {"callerid": "/tests"}
-                channels[topic] = writer.register_channel(topic, encoding, schema, about)
+                channels[topic] = writer.register_channel(topic, encoding, schemas[kind], about)
             writer.add_message(channels[topic], log_time, data, log_time - 7, 3)
         if extras:
             writer.add_attachment(5, 6, "map.txt", "text/plain", b"here be dragons" * 100)

@@ -228,17 +228,6 @@ def test_no_command_breaks_a_word(tmp_path: Path, words: list[str]) -> None:
     assert [line for line in lines if len(line) > 80 and len(line.split()) > 1] == []
 
 
-def test_a_damaged_log_is_marked_among_several(tmp_path: Path) -> None:
-    (tmp_path / LONG).write_bytes(first_seconds(TROT).read_bytes()[:-200_000])
-    done = run("stats", first_seconds(TROT), LONG, "--jobs", 1, folder=tmp_path)
-    assert done.returncode == 3
-    table = done.stdout[done.stdout.index("log ") :]
-    heading, _, whole, *cut = table.splitlines()
-    assert heading.split()[-2:] == ["quality", "worst"]
-    assert {"OK", "USABLE", "DOUBTFUL"} & set(whole.split())
-    assert "DAMAGED" in " ".join(cut)
-
-
 # --- On a terminal --------------------------------------------------------------------------------
 
 

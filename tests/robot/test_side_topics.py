@@ -12,10 +12,10 @@ from dogbot_logtool.core.metrics import NEEDS
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.gaits import WALK
 from tests.truth.log_file import write_log
+from tests.truth.pose_faults import drifting
 from tests.truth.recording import Recording, VectorRecording, disturbed
 from tests.truth.sensed import with_imu
 from tests.truth.walking import Walk
-from tests.truth.world_faults import drifting
 
 ROBOT = Commanded(seconds=16.0)
 

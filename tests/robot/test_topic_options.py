@@ -37,20 +37,6 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "log.mcap"
 
 
-def test_options_choose(path: Path) -> None:
-    options = RobotOptions(
-        robot="generic",
-        odom_topic="/x",
-        foot={"paw": "/spare/0", "hind_left": "/spare/1"},
-        mass=12.5,
-    )
-    found = selected(path, options)
-    assert found.base_name == "/x"
-    assert {foot.name: foot.topic for foot in found.robot.feet} == options.foot
-    assert [foot.leg_position for foot in found.robot.feet] == [None, ("back", "left")]
-    assert found.robot.mass_kg == 12.5
-
-
 def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
     found = selected(path, RobotOptions(robot="anymal"), **SPARE)
     assert any("none of the topics of the robot 'anymal'" in each.text for each in found.findings)

@@ -17,7 +17,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -68,24 +68,12 @@ class Call:
     outputs: dict[str, bytes]
 
 
-@dataclass(slots=True)
-class Row:
-    """What became of the tries of a kind."""
-
-    ends: Counter[str] = field(default_factory=Counter)
-    faults: list[str] = field(default_factory=list)
-
-
-def environment() -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": os.environ.get("PYTHONPATH", str(ROOT))}
-
-
 def started(words: Sequence[str], folder: Path) -> "subprocess.Popen[str]":
     """Start the program in a session of its own, as a terminal would."""
     return subprocess.Popen(  # noqa: S603
         [sys.executable, "-c", START, *words],
         cwd=folder,
-        env=environment(),
+        env={"PYTHONPATH": str(ROOT), **os.environ},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -116,14 +104,14 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def members(session: int) -> list[int]:
     """Return the processes of a session that still run."""
-    found = []
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            with contextlib.suppress(OSError):
-                state = (entry / "stat").read_text().rpartition(")")[2].split()
-                if int(state[3]) == session and state[0] not in "ZX":
-                    found.append(int(entry.name))
-    return found
+    return [each.pid for each in psutil.process_iter() if is_member(each, session)]
+
+
+def is_member(process: psutil.Process, session: int) -> bool:
+    with contextlib.suppress(psutil.Error, ProcessLookupError):
+        ended = process.status() in {psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD}
+        return not ended and os.getsid(process.pid) == session
+    return False
 
 
 def wait_until_ready(process: "subprocess.Popen[str]") -> None:
@@ -158,8 +146,8 @@ def interrupt(
                 process.send_signal(each)
 
 
-def attempt(call: Call, signals: Sequence[signal.Signals], row: Row) -> None:
-    """Interrupt a call once; note how it ended, and what is wrong with that."""
+def attempt(call: Call, signals: Sequence[signal.Signals]) -> tuple[str, list[str]]:
+    """Interrupt a call once; return how it ended, and what is wrong with that."""
     with tempfile.TemporaryDirectory() as name:
         process = started(call.words, Path(name))
         wait_until_ready(process)
@@ -169,11 +157,10 @@ def attempt(call: Call, signals: Sequence[signal.Signals], row: Row) -> None:
         was_over = process.poll() is not None
         interrupt(process, signals, everyone=everyone)
         faults = list(faults_of(process, call, signals, Path(name)))
-        end = "done" if process.returncode == 0 else "interrupted"
-        row.ends["over before" if was_over else end] += 1
-        sent = "+".join(each.name for each in signals) + (" to all" if everyone else "")
-        command = " ".join(call.words[:1])
-        row.faults += [f"{command}, {sent} after {moment:.3f} s: {fault}" for fault in faults]
+    end = "done" if process.returncode == 0 else "interrupted"
+    sent = "+".join(each.name for each in signals) + (" to all" if everyone else "")
+    where = f"{call.words[0]}, {sent} after {moment:.3f} s"
+    return "over before" if was_over else end, [f"{where}: {fault}" for fault in faults]
 
 
 def faults_of(
@@ -245,30 +232,28 @@ def torture(
     tries: int,
     kinds: Sequence[Sequence[signal.Signals]] = KINDS,
     commands: Sequence[str] = COMMANDS,
-) -> Iterator[tuple[str, Row]]:
-    """Try every kind of interruption; yield what became of it, by name."""
+) -> Iterator[tuple[str, Counter[str], list[str]]]:
+    """Try every kind of interruption; yield its name, how calls ended, and what was wrong."""
     with tempfile.TemporaryDirectory() as name:
         for logs, choices in calls(Path(name), commands).items():
             for signals in kinds:
-                row = Row()
-                for number in range(tries):
-                    attempt(choices[number % len(choices)], signals, row)
-                yield f"{logs}: {'+'.join(each.name for each in signals)}", row
+                tried = [attempt(choices[n % len(choices)], signals) for n in range(tries)]
+                faults = [fault for _, each in tried for fault in each]
+                sent = "+".join(each.name for each in signals)
+                yield f"{logs}: {sent}", Counter(end for end, _ in tried), faults
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tries", type=int, default=40, help="of each kind")
     tries = parser.parse_args().tries
-    columns = ("interrupted", "done", "over before", "faults")
-    print(f"{'':28}" + "".join(f"{each:>13}" for each in columns))  # noqa: T201
     total = 0
-    for name, row in torture(tries):
-        counts = (*(row.ends[each] for each in columns[:3]), len(row.faults))
-        print(f"{name:28}" + "".join(f"{each:13}" for each in counts), flush=True)  # noqa: T201
-        for fault in row.faults:
+    for name, ends, faults in torture(tries):
+        counts = ", ".join(f"{count} {end}" for end, count in sorted(ends.items()))
+        print(f"{name:28}{counts}, {len(faults)} faults", flush=True)  # noqa: T201
+        for fault in faults:
             print(f"    {fault}", flush=True)  # noqa: T201
-        total += len(row.faults)
+        total += len(faults)
     sys.exit(1 if total else 0)
 
 

@@ -10,9 +10,7 @@ from tests.truth.recording import (
     Recording,
     VectorRecording,
     about_axis,
-    base_messages,
     sample_times,
-    vector_messages,
 )
 from tests.truth.sensor_faults import as_force_sensors
 from tests.truth.walking import Walk
@@ -74,7 +72,7 @@ class Commanded:
         rows = np.round(time / 0.0005).astype(np.int64)
         position = np.column_stack([place[rows], np.full(len(rows), 0.4)])
         attitude = about_axis(2, yaw[rows] + self.body_yaw_rad)
-        return base_messages(time, position, attitude, np.zeros_like(position))
+        return BaseRecording.sent(time, position, attitude, np.zeros_like(position))
 
     def commands(
         self, kind: str = "twist_stamped", rate_hz: float = 50.0, topic: str = "/cmd_vel"
@@ -83,8 +81,7 @@ class Commanded:
         time = sample_times(self.seconds, rate_hz)
         for start, end in self.silences:
             time = time[(time < start) | (time >= end)]
-        name = "twist" if kind == "twist" else "twist_stamped"
-        return vector_messages(topic, name, time, self.commanded(time))  # type: ignore[arg-type]
+        return VectorRecording.sent(time, topic, kind, self.commanded(time))
 
 
 def commanded_walk(robot: Commanded, *beside: VectorRecording) -> Recording:

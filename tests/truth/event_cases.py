@@ -1,4 +1,4 @@
-"""Logs in which something happens beside steps: slips, stumbles, falls, sensors that fail."""
+"""Logs in which something happens beside steps, or in which there are none."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -8,17 +8,16 @@ from typing import Final
 
 import numpy as np
 
-from tests.truth import planted, scenes
+from tests.truth import foot_faults as foot
 from tests.truth import pose_faults as pose
+from tests.truth import scenes
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth import world_faults as world
 from tests.truth.judging import Case, Event
-from tests.truth.other_cases import OneAfterAnother, changes
 from tests.truth.recording import Disturbance, on
-from tests.truth.scenes import Knots, Scene
+from tests.truth.scenes import Knots, OneAfterAnother, Scene
 from tests.truth.walking import Walk
-from tests.truth.walks import FORCE, WALK
+from tests.truth.walks import FORCE, QUIET, SENSED, WALK
 
 FOOT: Final = "front_right"
 TROT: Final = Walk(seconds=12.0)
@@ -31,21 +30,21 @@ EARLY: Final = LEAVES + 0.4 * (LANDS - LEAVES)
 def planned() -> Iterator[Case]:
     """One event of a walk, and what only looks like one."""
     slides = LANDS + 0.25
-    jump, hush = world.jump(4.0, (1.0, 0.5, 0.0)), on(time.silent_between(3.0, 5.0), "back_left")
+    jump, hush = pose.jump(4.0, (1.0, 0.5, 0.0)), on(time.silent_between(3.0, 5.0), "back_left")
     early = Event("early_contact", EARLY, foot=FOOT, value=(LANDS - EARLY, 0.02))
     jumps = Event("pose_jump", 4.0, code="POSE_JUMP", value=(1.25**0.5, 0.01))
     silent = Event("gap", 3.0, foot="back_left", value=(2.0, 0.012))
     steps = "touchdowns, lift-offs, stride length"
     rows: list[tuple[str, Disturbance, str, str, tuple[Event, ...]]] = [
-        ("a foot lands early and stays", planted.contact(FOOT, EARLY), "", "touchdowns, margin",
+        ("a foot lands early and stays", foot.contact(FOOT, EARLY), "", "touchdowns, margin",
          (early,)),
-        ("a foot bounces as it leaves", planted.contact(FOOT, LEAVES + 0.03, LEAVES + 0.06), "",
+        ("a foot bounces as it leaves", foot.contact(FOOT, LEAVES + 0.03, LEAVES + 0.06), "",
          steps, ()),
-        ("a foot bounces as it lands", planted.contact(FOOT, LANDS - 0.06, LANDS - 0.03), "",
+        ("a foot bounces as it lands", foot.contact(FOOT, LANDS - 0.06, LANDS - 0.03), "",
          steps, ()),
-        ("poses with 2 mm of noise", world.pose_noise(0.002), "", "", ()),
-        ("poses with 10 mm of noise", world.pose_noise(0.01), "", "", ()),
-        ("contact points roll forward", planted.rolling(0.06), "", "", ()),
+        ("poses with 2 mm of noise", pose.pose_noise(0.002), "", "", ()),
+        ("poses with 10 mm of noise", pose.pose_noise(0.01), "", "", ()),
+        ("contact points roll forward", foot.rolling(0.06), "", "", ()),
         ("one jump of the pose", jump, "POSE_JUMP", "", (jumps,)),
         ("one gap of a foot", hush, "GAPS", steps, (silent,)),
     ]
@@ -53,17 +52,17 @@ def planned() -> Iterator[Case]:
         slip = Event("slip", slides, foot=FOOT, duration_s=0.04, value=(metres, 1e-6))
         known = sensor.user_gives(set={"foot_rolling_m": rolling_m} if rolling_m else {})
         yield Case(f"slip of {metres * 1e3:g} mm, feet roll by {rolling_m} m", TROT,
-                   (planted.slip(FOOT, slides, metres), known), skip="slip", events=(slip,))
+                   (foot.slip(FOOT, slides, metres), known), skip="slip", events=(slip,))
     slip = Event("slip", slides, 0.06, foot=FOOT, value=(0.05, 1e-3))
     yield Case("slip of 50 mm of a foot that rolls", TROT,
-               (planted.rolling(0.03), planted.slip(FOOT, slides, 0.05)), skip="slip",
+               (foot.rolling(0.03), foot.slip(FOOT, slides, 0.05)), skip="slip",
                events=(slip,))
     for share in (0.3, 0.5, 0.6):
         at = LEAVES + share * (LANDS - LEAVES)
         trips = Event("stumble", at, foot=FOOT, duration_s=0.05, value=(share, 0.05))
-        rows.append((f"stumble at {share:g} of a swing", planted.contact(FOOT, at, at + 0.05), "",
+        rows.append((f"stumble at {share:g} of a swing", foot.contact(FOOT, at, at + 0.05), "",
                      steps, (trips,)))
-    noisy = world.pose_noise(0.01), jump
+    noisy = pose.pose_noise(0.01), jump
     yield Case("one jump of noisy poses", TROT, noisy, "POSE_JUMP", skip="height",
                events=(replace(jumps, value=(1.25**0.5, 0.05)),))
     for rate_hz in (1.0, 5.0, 10.0, 20.0):
@@ -138,4 +137,72 @@ def falls() -> Iterator[Case]:
         faults = tuple(fault for word, fault in special.items() if word in name)
         yield Case(f"a robot {name}", scene, faults, cause="FALL|FORWARD|POSE", events=events,
                    skip="class, strides, verdict, height, slope, impulse, margin, speed, climb")
+# fmt: on
+
+WHEELS = "without steps|wheel"
+CARRIED = r"_CARRIED|_LIFTED|\bcarried|\blifted"
+
+
+def changes(onset_s: float, code: str, within_s: float = 0.8) -> Event:
+    """Let the gait change: from one class > to another."""
+    return Event("gait_change", onset_s, within_s, code=code)
+
+
+# fmt: off
+def no_steps() -> Iterator[Case]:
+    yield Case("standing", scenes.standing())
+    yield Case("standing, force sensors", scenes.standing(), QUIET)
+    yield Case("standing, noisy poses", scenes.standing(), (pose.pose_noise(0.002),), events=())
+    yield Case("shifting weight", scenes.shifting_weight())
+    yield Case("shifting weight, force sensors", scenes.shifting_weight(), QUIET)
+    yield Case("crouching", scenes.crouching())
+    yield Case("sitting down", scenes.sitting_down(), skip="verdict")
+    yield Case("standing up", scenes.standing_up(), skip="verdict")
+    yield Case("falling", scenes.falling(), (), "FALL", "", skip="class")
+    yield Case("tipping", scenes.tipping(), (), r"\btip", "",
+               events=(Event("tipping", 7.0, 1.0, code="FALL", value=(0.35, 0.01)),))
+    yield Case("rolling on wheels", scenes.rolling(), (), WHEELS)
+    yield Case("rolling on wheels, force sensors", scenes.rolling(), QUIET, WHEELS)
+    for newtons in (-60.0, -20.0, 20.0):
+        yield Case(f"rolling on wheels, offset {newtons:+g} N", scenes.rolling(),
+                   (*QUIET, sensor.offset(newtons)), WHEELS)
+
+
+def in_the_air() -> Iterator[Case]:
+    lifted = Event("carried", 2.0, 0.06, duration_s=4.0, value=(0.55, 0.05))
+    for name, faults, more in (
+        ("carried", (), ""),
+        ("carried, force sensors", SENSED, "|WITHOUT_STEPS"),
+        ("carried while the legs move", (*SENSED, sensor.inertia(6.0)), "|WITHOUT_STEPS"),
+        ("carried while the legs move fast", (*SENSED, sensor.inertia(14.0)), "|WITHOUT_STEPS"),
+    ):
+        yield Case(name, scenes.carried(), faults, CARRIED + more, "", classes=("stand", None),
+                   skip="path, speed", events=None if faults else (lifted,))
+    for name, faults in (("bumpers", ()), ("force sensors", SENSED)):
+        yield Case(f"sitting, no foot loaded, {name}", scenes.sitting(), faults, classes=(None,),
+                   skip="verdict")
+
+
+def sequences() -> Iterator[Case]:
+    # Where one log ends and the next begins, feet stand elsewhere at once.
+    whole = "contact fraction, load share, impulse, margin, stride length"
+    trot, walk = Walk(seconds=12.0), replace(WALK, seconds=9.0)
+    stops = changes(12.0, "trot>stand", 0.1)
+    lifted = Event("carried", 14.0, 0.06, duration_s=4.0, value=(0.55, 0.05))
+    for name, scene, says, skip, also in (
+        ("a fall", scenes.falling(), "FALL", "lift-offs", ()),
+        ("carried", scenes.carried(), CARRIED, "", (lifted,)),
+        ("sitting down", scenes.sitting_down(), "", "verdict", ()),
+        ("crouching", scenes.crouching(), "", "", ()),
+    ):
+        yield Case(f"walk, then {name}", OneAfterAnother((trot, scene)), (), says, "",
+                   skip=f"{whole}, {skip}", events=(stops, *also))
+    for name, first, second, classes, skip, event in (
+        ("a trot, then a walk", trot, walk, ("trot", "walk"), "duty factor, peak force, braking",
+         changes(12.0, "trot>walk")),
+        ("a trot, then standing", trot, scenes.standing(), ("trot", "stand"), "verdict", stops),
+    ):
+        yield Case(name, OneAfterAnother((first, second), classes), skip=f"{whole}, {skip}",
+                   events=(event,))
+
 # fmt: on

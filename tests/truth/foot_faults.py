@@ -1,10 +1,10 @@
-"""Feet outside the usual: slow or inverted flags, scuffs, filters, payloads, several sensors."""
+"""Feet outside the usual: flags, scuffs, filters, payloads, several sensors, slips, stumbles."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import Disturbance, FootRecording, Recording, Sensor, of_feet
+from tests.truth.recording import Disturbance, FootRecording, Recording, Sensor, at_times, of_feet
 
 
 def as_flags(recording: Recording) -> Recording:
@@ -55,18 +55,12 @@ def treadmill(recording: Recording) -> Recording:
     """Let the ground carry all feet back as fast as the base walks on it."""
     base = recording.base
     way = base.position - base.position[0]
-    feet = tuple(
-        replace(
-            foot,
-            point=foot.point
-            - np.stack([np.interp(foot.time, base.time, axis) for axis in way.T], axis=1),
-        )
-        for foot in recording.feet
-    )
     sway = 0.002 * np.sin(2.0 * np.pi * 1.3 * base.time)
     position = base.position - way + np.outer(sway, (0.3, 1.0, 0.5))
     still = replace(base, position=position, velocity=np.zeros_like(base.velocity))
-    return replace(recording, feet=feet, base=still)
+    return replace(recording, base=still).each_foot(
+        lambda _, foot: replace(foot, point=foot.point - at_times(foot.time, base, way))
+    )
 
 
 def without(*feet: str) -> Disturbance:
@@ -138,3 +132,48 @@ def fore_feet_feel_forces(recording: Recording) -> Recording:
         kinds=("wrench", "wrench", "contacts", "contacts"),
         given={**recording.given, "foot": topics},
     )
+
+
+# Events
+
+CONTACT_N = 60.0
+
+
+def slip(foot_name: str, at_s: float, metres: float) -> Disturbance:
+    """Let a foot slide forward for 40 ms in its stance, and stay there until it leaves it."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        leaves = foot.time[(foot.time > at_s) & ~foot.touching][0]
+        slid = np.clip((foot.time - at_s) / 0.04, 0.0, 1.0) * metres
+        slid[(foot.time <= at_s) | (foot.time >= leaves)] = 0.0
+        return replace(foot, point=foot.point + np.outer(slid, (1.0, 0.0, 0.0)))
+
+    return lambda recording: recording.each_foot(change, foot_name)
+
+
+def rolling(metres_per_second: float) -> Disturbance:
+    """Let contact points go forward through each stance, as those of round feet that roll."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        lands = foot.touching & ~np.roll(foot.touching, 1)
+        since = foot.time - np.maximum.accumulate(np.where(lands, foot.time, 0.0))
+        rolled = np.where(foot.touching, since * metres_per_second, 0.0)
+        return replace(foot, point=foot.point + np.outer(rolled, (1.0, 0.0, 0.0)))
+
+    return lambda recording: recording.each_foot(change)
+
+
+def contact(foot_name: str, at_s: float, until_s: float | None = None) -> Disturbance:
+    """Let a foot in the air touch something, until a time, or until it lands."""
+
+    def change(_: int, foot: FootRecording) -> FootRecording:
+        lands = foot.time[(foot.time > at_s) & foot.touching][0]
+        leaves = foot.time[(foot.time > lands) & ~foot.touching][0]
+        rows = (foot.time >= at_s) & (foot.time < (lands if until_s is None else until_s))
+        stays = (foot.time >= at_s) & (foot.time < (leaves if until_s is None else until_s))
+        force, point = foot.force.copy(), foot.point.copy()
+        force[rows] = (0.0, 0.0, CONTACT_N)
+        point[stays] = point[stays][0]
+        return replace(foot, touching=foot.touching | rows, force=force, point=point)
+
+    return lambda recording: recording.each_foot(change, foot_name)

@@ -15,19 +15,21 @@ import mujoco
 import numpy as np
 
 import dogbot_logtool as dl
-from tests.oracles.mcap_file import Entry, write_mcap
+from tests.oracles.walks import Entry
 from tests.truth.messages import (
     CONTACTS,
     IMU,
-    JOINT_STATE,
     ODOMETRY,
-    STRING,
     TF,
     WRENCH,
-    ros_messages,
+    contact_state,
+    header,
+    messages,
+    transform,
+    write,
 )
 from tests.truth.parts import Part, urdf
-from tests.truth.recording import Floats, Ints, inverse, product, turned
+from tests.truth.recording import Floats, inverse, product, turned
 from tests.truth.robots import GRAVITY_MPS2
 
 STEP_S: Final = 0.001
@@ -214,52 +216,53 @@ def write_log(
         with_feet: whether feet are recorded; `with_poses`, whether odometry is.
         imu: frame and readings, (n, 6) m/s^2 and rad/s, of an inertial unit.
     """
-    make = ros_messages()
     rows = slice(0, None, every)
     seconds = robot.time[rows]
-    time = ORIGIN_NS + np.rint(seconds * 1e9).astype(np.int64)
     entries: list[Entry] = []
 
-    def add(topic: str, kind: str, time: Ints, data: Sequence[bytes]) -> None:
-        entries.extend(
-            Entry(topic, kind, at, each) for at, each in zip(time.tolist(), data, strict=True)
-        )
+    def add(topic: str, kind: str, time: Floats, **fields: Any) -> None:
+        stamp = ORIGIN_NS + np.rint(time * 1e9).astype(np.int64)
+        entries.extend(messages(topic, kind, stamp, stamp, **fields))
 
     if robot.parts and not by_transforms:
-        described = make.text(urdf(robot.parts))
-        entries.append(Entry("/robot_description", STRING, ORIGIN_NS, described))
+        add("/robot_description", "std_msgs/msg/String", np.zeros(1), data=urdf(robot.parts))
     if imu is not None:
-        add("/imu", IMU, time, make.imu(imu[0], turns=True).all_filled(time, imu[1][rows]))
+        felt, turns = np.hsplit(imu[1][rows], 2)
+        read = {"linear_acceleration": felt, "angular_velocity": turns}
+        add("/imu", IMU, seconds, header=header(imu[0]), **read)
     heard = (seconds < silence_s[0]) | (seconds >= silence_s[1])
-    states = [each[rows][heard] for each in (robot.position, robot.velocity, robot.torque)]
+    states = {"position": robot.position, "velocity": robot.velocity, "effort": robot.torque}
     for number, share in enumerate(np.array_split(np.arange(len(robot.joints)), publishers)):
-        numbers = np.concatenate([each[:, share] for each in states], axis=1)
-        joints = make.joint_states(tuple(robot.joints[joint] for joint in share))
         topic = f"/joint_states_{number}" if number else "/joint_states"
-        add(topic, JOINT_STATE, time[heard], joints.all_filled(time[heard], numbers))
+        told = {name: each[rows][heard][:, share] for name, each in states.items()}
+        names = [robot.joints[joint] for joint in share]
+        kind = "sensor_msgs/msg/JointState"
+        add(topic, kind, seconds[heard], header=header(), name=names, **told)
     if by_transforms:
-        calves = make.transforms("base_link", [f"{foot}_calf" for foot in FEET])
-        add("/tf", TF, time, calves.all_filled(time, robot.calf[rows].reshape(len(time), -1)))
+        calves = [
+            transform("base_link", f"{foot}_calf", *np.split(robot.calf[rows, number], [3], axis=1))
+            for number, foot in enumerate(FEET)
+        ]
+        add("/tf", TF, seconds, transforms=calves)
     if with_poses:
-        speed = turned(inverse(robot.attitude), robot.base_velocity[:, 3:])
-        poses = np.concatenate([robot.base, robot.attitude, speed], axis=1)[rows]
-        add("/odom", ODOMETRY, time, make.odometry("world", "base_link").all_filled(time, poses))
+        speed = turned(inverse(robot.attitude), robot.base_velocity[:, 3:])[rows]
+        pose = [[robot.base[rows], robot.attitude[rows]]]
+        world = {"header": header("world"), "child_frame_id": "base_link"}
+        add("/odom", ODOMETRY, seconds, **world, pose=pose, twist=[[speed]])
     for number, foot in enumerate(FEET if with_feet else ()):
         topic = f"/{NAMES[number]}_foot_contact"
         force, point = robot.force[rows, number], robot.point[rows, number]
         if not (by_transforms if points is None else points):
             size = np.linalg.norm(force, axis=1)[:, None] * [0.0, 0.0, 1.0]
-            add(topic, WRENCH, time, make.wrench_stamped(f"{foot}_foot").all_filled(time, size))
+            add(topic, WRENCH, seconds, header=header(f"{foot}_foot"), wrench=[size])
             continue
         down = ~np.isnan(point).any(axis=1)
-        none, nothing = make.no_contact(f"{foot}_calf"), np.empty((int((~down).sum()), 0))
-        add(topic, CONTACTS, time[~down], none.all_filled(time[~down], nothing))
-        bump = make.contact(f"{foot}_calf", f"robot::{foot}_calf::{foot}_collision")
-        up = np.tile([0.0, 0.0, 1.0], (len(time), 1))
-        numbers = np.concatenate([force, force, point, up], axis=1)[down]
-        add(topic, CONTACTS, time[down], bump.all_filled(time[down], numbers))
-    entries.sort(key=lambda entry: entry.log_time)
-    return write_mcap(path, entries, make.definition, 1 << 18, "zstd")
+        name = f"robot::{foot}_calf::{foot}_collision"
+        state = contact_state(name, force[down], point[down], (0, 0, 1))
+        for rows_of, states_of in ((~down, []), (down, [state])):
+            bumper = {"header": header(f"{foot}_calf"), "states": states_of}
+            add(topic, CONTACTS, seconds[rows_of], **bumper)
+    return write(path, entries)
 
 
 def measured(robot: Physics, **options: Any) -> dl.Walk:
@@ -268,3 +271,67 @@ def measured(robot: Physics, **options: Any) -> dl.Walk:
         return dl.measure(
             write_log(Path(folder) / "walk.mcap", robot, **options), mass=robot.mass_kg
         )
+
+
+def resized(walk: Physics, size: float) -> Physics:
+    """Return what a robot of the same kind does whose lengths are so many times as large."""
+    pace = float(np.sqrt(size))
+
+    def part(of: Part) -> Part:
+        x, y, z = (size * each for each in of.at)
+        sizes = tuple(size * each for each in of.size)
+        heavy, centre_m = of.kg * size**3, of.centre_m * size
+        return replace(of, at=(x, y, z), size=sizes, kg=heavy, centre_m=centre_m)
+
+    return replace(
+        walk,
+        mass_kg=walk.mass_kg * size**3,
+        time=walk.time * pace,
+        base=walk.base * size,
+        base_velocity=walk.base_velocity * np.repeat([1.0 / pace, pace], 3),
+        velocity=walk.velocity / pace,
+        torque=walk.torque * size**4,
+        foot=walk.foot * size,
+        foot_velocity=walk.foot_velocity * pace,
+        calf=walk.calf * np.repeat([size, 1.0], (3, 4)),
+        force=walk.force * size**3,
+        point=walk.point * size,
+        parts=tuple(map(part, walk.parts)),
+    )
+
+
+def write_bare_log(
+    path: Path,
+    walk: Physics,
+    *,
+    with_imu: bool = True,
+    imu_frame: str = "base_link",
+    gyro: float = 1.0,
+    every: int = 5,
+) -> Path:
+    """Write what a robot without foot sensors and odometry records.
+
+    Args:
+        path: of the log.
+        walk: what it did.
+        with_imu: whether there is an inertial unit.
+        imu_frame: that of the base, or one that is turned by 90 degrees about its x axis.
+        gyro: what a gyroscope reads for a turn rate of 1 rad/s.
+        every: rows of the walk, 500 a second, between messages.
+    """
+    back = inverse(walk.attitude)
+    moved = np.gradient(walk.base_velocity[:, 3:], walk.time, axis=0)
+    moved[:, 2] += GRAVITY_MPS2
+    read = [turned(back, moved), gyro * turned(back, walk.base_velocity[:, :3])]
+    if imu_frame != "base_link":
+        read = [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
+    imu = (imu_frame, np.concatenate(read, axis=1)) if with_imu else None
+    return write_log(
+        path,
+        walk,
+        by_transforms=False,
+        every=every,
+        with_feet=False,
+        with_poses=False,
+        imu=imu,
+    )

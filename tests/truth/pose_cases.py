@@ -1,4 +1,4 @@
-"""Logs of which the poses are at fault, with several witnesses; and sound logs beside them."""
+"""Logs of poses at fault, with several witnesses, of worlds that differ, and sound ones."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -8,12 +8,14 @@ from typing import Final
 from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
-from tests.truth import world_faults as world
+from tests.truth import time_faults as time
+from tests.truth.foot_faults import without
 from tests.truth.judging import Case
 from tests.truth.recording import Disturbance, Recording
 from tests.truth.robots import biped, hexapod, quadruped
+from tests.truth.sensed import with_gyroscope
 from tests.truth.walking import Walk
-from tests.truth.walks import BIPED, QUIET, SLOW, TROT
+from tests.truth.walks import BIPED, FORCE, LONG, NO_MASS, QUIET, SLOW, TROT, WALK
 
 CIRCLE: Final = Walk(gait=gaits.WALK, period_s=1.0, seconds=10.0, turn_radps=0.4)
 TIGHT: Final = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.9, speed_mps=0.1,
@@ -33,7 +35,7 @@ WAYS: Final[dict[str, tuple[Disturbance, ...]]] = {
     FORCES: QUIET,
     PLACES: (pose.feet_in_base,),
     TF: (*QUIET, sensor.in_link_frame, pose.feet_in_tf),
-    GYRO: (*QUIET, pose.with_gyroscope()),
+    GYRO: (*QUIET, with_gyroscope()),
 }
 """Ways of telling feet, and witnesses of the pose beside them."""
 EVERY: Final = tuple(WAYS)[:3]
@@ -68,7 +70,7 @@ def faults() -> Iterator[Case]:
         ("yaw 15 degrees off, slow walk", SLOW, pose.yaw_off(radians(-15.0)), "POSE_DIRECTION",
          SEEN),
         ("yaw 28 degrees off, biped", BIPED, pose.yaw_off(-0.5), "POSE_DIRECTION", (POINTS,)),
-        ("another world, circle", CIRCLE, pose.started_anywhere((1.0, 2.0, 0.0), -2.0),
+        ("another world, circle", CIRCLE, pose.relocalised(0.0, -2.0, (1.0, 2.0, 0.0)),
          "WORLDS_DIFFER", (POINTS,)),
         ("orientation constant", CIRCLE, pose.orientation_constant(), turned, tuple(WAYS)),
         ("orientation constant, to the right", TO_THE_RIGHT, pose.orientation_constant(), turned,
@@ -78,19 +80,19 @@ def faults() -> Iterator[Case]:
         ("relocalised by 25 degrees", TROT, pose.relocalised(4.02, radians(25.0)), "POSE_JUMP",
          EVERY),
         ("relocalised by 25 degrees and 0.4 m", TROT,
-         pose.relocalised(4.02, radians(25.0), (0.3, -0.25)), "POSE_JUMP", EVERY),
-        ("yaw steps by 20 degrees", TROT, pose.yaw_steps(4.02, radians(20.0)), "POSE_JUMP", EVERY),
+         pose.relocalised(4.02, radians(25.0), (0.3, -0.25, 0.0)), "POSE_JUMP", EVERY),
+        ("yaw steps by 20 degrees", TROT, pose.yaw_off(radians(20.0), 4.02), "POSE_JUMP", EVERY),
         ("yaw off by 45 degrees, tight circle", TIGHT, pose.yaw_off(radians(45.0)),
          "POSE_DIRECTION", (POINTS,)),
         ("poses of the imu's link", ON_THE_SPOT, link, "", EVERY),
         ("poses of the imu's link, circle", CIRCLE, link, "", EVERY),
-        ("a quarter of real time, feet without stamps", TROT, pose.quarter_speed(feet=True),
+        ("a quarter of real time, feet without stamps", TROT, time.quarter_speed(feet=True),
          "CLOCK_OFFSET", EVERY),
-        ("a quarter of real time, poses without stamps", TROT, pose.quarter_speed(feet=False),
+        ("a quarter of real time, poses without stamps", TROT, time.quarter_speed(feet=False),
          "CLOCK_OFFSET", EVERY),
         ("another robot's poses", TROT, pose.of_robot("other"), "POSE_OTHER_ROBOT", EVERY[:2]),
-        ("rises by 4 cm/s", TROT, world.rising(0.04), "WORLDS_DIFFER the base rises", (PLACES, TF)),
-        ("sinks by 4 cm/s uphill", UPHILL, world.rising(-0.04), "WORLDS_DIFFER the base rises by -",
+        ("rises by 4 cm/s", TROT, pose.rising(0.04), "WORLDS_DIFFER the base rises", (PLACES, TF)),
+        ("sinks by 4 cm/s uphill", UPHILL, pose.rising(-0.04), "WORLDS_DIFFER the base rises by -",
          (PLACES, TF)),
         ("planar poses uphill", UPHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
         ("planar poses downhill", DOWNHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
@@ -110,7 +112,7 @@ def sound() -> Iterator[Case]:
     corners = tuple((x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn))
                     for x, y in quadruped().corners_m)
     crab = Walk(body_yaw_rad=turn, robot=replace(quadruped(), corners_m=corners))
-    starts = pose.started_anywhere((12.0, -7.0, 0.0), radians(70.0))
+    starts = pose.relocalised(0.0, radians(70.0), (12.0, -7.0, 0.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
     gallop = Walk(gait=gaits.ROTARY_GALLOP, robot=quadruped(1.0), period_s=0.58, speed_mps=0.34)
     every = tuple(WAYS)
@@ -130,7 +132,7 @@ def sound() -> Iterator[Case]:
         ("places that are not filled in", TROT, pose.places_unfilled, (PLACES,)),
         ("a run", run, _nothing, (POINTS,)),
         ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),
-        ("noise of 2 mm", TROT, world.pose_noise(0.002), every),
+        ("noise of 2 mm", TROT, pose.pose_noise(0.002), every),
     )
     for name, walk, fault, ways in table:
         for way in ways:
@@ -163,3 +165,59 @@ def _case(name: str, walk: Walk, way: str, fault: Disturbance, says: str) -> Cas
     stand_in = way in {POINTS, PLACES} and says in {"POSE_FROZEN", "NOT_FINITE"}
     known = "speed" if stand_in else ""
     return Case(name, walk, (*WAYS[way], fault), says, cause, skip=", ".join(skip), known=known)
+
+
+WORLDS = r"WORLD|worlds|drift|far from"
+JUMPED = "path, speed, stride length"
+
+
+# fmt: off
+def worlds() -> Iterator[Case]:
+    drift = pose.drifting(0.02)
+    bound = Walk(gait=gaits.BOUND, period_s=0.86, seconds=11.7, heading_rad=radians(-90.0))
+    slope = Walk(slope_rad=radians(20.0), heading_rad=radians(37.0), seconds=12.0)
+    two = Walk(gait=gaits.BIPED_WALK, robot=biped(57.0), slope_rad=radians(14))
+    rows: tuple[tuple[str, Walk, tuple[Disturbance, ...], str, str], ...] = (
+        ("drifts by 8 %", LONG, (pose.drifting(0.08),), WORLDS, ""),
+        ("drifts by 2 %, 4 s", replace(TROT, seconds=4.0), (drift,), WORLDS, ""),
+        ("drifts by 2 %, 8 s", TROT, (drift,), WORLDS, ""),
+        ("underrates the way by 15 %", bound, (pose.drifting(0.15),), "WORLDS_DIFFER|drifts", ""),
+        ("begins at z = 0", TROT, (pose.from_zero(),), "", "verdict"),
+        ("begins at z = 0, force sensors", TROT, (FORCE, pose.from_zero()), "", "verdict"),
+        ("begins at z = 0, slope of 14 degrees, two feet", two, (pose.from_zero(),), "",
+         "verdict"),
+        ("with 2 mm of noise", TROT, (pose.pose_noise(0.002),), "", ""),
+        ("jumps by 1 m", TROT, (pose.jump(4.0, (1.0, 0.5, 0.0)),), "jump", JUMPED),
+        ("jumps by 1 m, slope of 20 degrees", slope, (pose.jump(6.0, (1.0, 0.5, 0.0)),), "jump",
+         f"{JUMPED}, froude"),
+    )
+    # Lengths of feet with points of their own stay.
+    yield Case("odometry displaced by 5 m", TROT, (pose.jump(0.0, (3.0, 4.0, 0.0)),), WORLDS,
+               known="stride length, braking")
+    yield Case("odometry displaced by 5 m and turned by 45 degrees", TROT,
+               (pose.relocalised(0.0, radians(45.0), (3.0, 4.0, 0.0)),), WORLDS)
+    yield Case("odometry displaced by 2 m, points of the hind feet only", TROT,
+               (pose.jump(0.0, (1.2, 1.6, 0.0)), without("front_left", "front_right"), NO_MASS),
+               "WORLDS_DIFFER", f"{WORLDS}|NO_MESSAGES")
+    for name, walk, faults, says, skip in rows:
+        yield Case(f"odometry {name}", walk, faults, says, skip=skip)
+    yield Case("contact points drift by 8 %", LONG, (pose.points_drifting(0.08),), WORLDS)
+    yield Case("the body leans 4 cm to the side from 3 s on", TROT,
+               (pose.leaning(3.0, (0.0, 0.04, 0.0)),), skip="margin")
+
+
+def axes() -> Iterator[Case]:
+    for name, body in (("", False), (" and of its body", True)):
+        yield Case(f"motion capture, y up of the world{name}", Walk(heading_rad=radians(90.0)),
+                   (pose.y_up(body=body), FORCE), "UP_AXIS")
+    yield Case("all in a world with z down and y to the right", WALK, (pose.z_down, NO_MASS),
+               "SIDES_SWAPPED", "SIDES_SWAPPED|IMPULSE")
+    yield Case("topics of the fore feet swapped", WALK,
+               (pose.swapped("front_left", "front_right"),), "SIDES_SWAPPED",
+               skip="sequence, touchdowns, lift-offs, phase")
+    for speed in (0.02, -0.02):
+        yield Case(f"odometry drifts by {speed:+g} m/s in z", Walk(seconds=12.0),
+                   (pose.rising(speed),), "WORLDS_DIFFER the base (rises|sinks)")
+    yield Case("odometry counts z anew from mid-log on", Walk(seconds=12.0),
+               (pose.jump(6.0, (0.0, 0.0, -0.45)),), "POSE_JUMP", "", known="height")
+# fmt: on

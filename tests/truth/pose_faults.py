@@ -1,4 +1,4 @@
-"""What estimators do to poses: freeze, repeat, count in other units, turn, step, forget a part."""
+"""What estimators do to poses and their world: freeze, repeat, turn, step, drift, forget a part."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,14 +11,13 @@ from tests.truth.recording import (
     Floats,
     Recording,
     about_axis,
+    at_times,
     inverse,
     of_base,
     product,
     turned,
-    vector_messages,
 )
 from tests.truth.robots import GRAVITY_MPS2
-from tests.truth.time_faults import slow_simulation
 
 
 def feet_in_base(recording: Recording) -> Recording:
@@ -29,36 +28,16 @@ def feet_in_base(recording: Recording) -> Recording:
     base = recording.base
     places = []
     for foot in recording.feet:
-        columns = [np.interp(foot.time, base.time, axis) for axis in base.position.T]
-        turn = np.stack([np.interp(foot.time, base.time, a) for a in base.orientation.T], axis=1)
+        turn = at_times(foot.time, base, base.orientation)
         turn /= np.linalg.norm(turn, axis=1)[:, None]
-        places.append(turned(inverse(turn), foot.point - np.stack(columns, axis=1)))
+        at = foot.point - at_times(foot.time, base, base.position)
+        places.append(turned(inverse(turn), at))
     return replace(recording, kind="spot", places=tuple(places))
 
 
 def feet_in_tf(recording: Recording) -> Recording:
     """Let transforms tell where the frames of the feet's force sensors are on the true base."""
     return replace(feet_in_base(recording), kind="wrench", has_tf=True)
-
-
-def with_gyroscope(noise: float = 0.02) -> Disturbance:
-    """Let an inertial unit tell accelerations and turns of the true base: apply it first."""
-
-    def change(recording: Recording) -> Recording:
-        base = recording.base
-        seconds, back = base.time, inverse(base.orientation)
-        moves = np.gradient(np.gradient(base.position, seconds, axis=0), seconds, axis=0)
-        felt = turned(back, moves + np.array([0.0, 0.0, GRAVITY_MPS2]))
-        # Of small turns, the vector part is half of the turn.
-        half = product(back[:-1], base.orientation[1:])[:, :3]
-        rate = 2.0 * half / np.diff(seconds)[:, None]
-        rate = np.concatenate([rate, rate[-1:]])
-        both = np.concatenate([felt, rate], axis=1)
-        both += np.random.default_rng(3).normal(0.0, noise, both.shape)
-        imu = vector_messages("/imu/data", "imu", seconds, both)
-        return replace(recording, beside=(*recording.beside, imu))
-
-    return change
 
 
 def places_unfilled(recording: Recording) -> Recording:
@@ -125,27 +104,22 @@ def positions_turned(base: BaseRecording, angle_rad: float) -> BaseRecording:
 
 
 @of_base
-def yaw_off(base: BaseRecording, angle_rad: float) -> BaseRecording:
-    """Let the body's axes be turned against the body."""
-    return replace(base, orientation=product(base.orientation, _about_z(base, angle_rad)))
+def yaw_off(base: BaseRecording, angle_rad: float, from_s: float = 0.0) -> BaseRecording:
+    """Let the body's axes be turned against the body, from a time on."""
+    turn = _about_z(base, np.where(base.time >= from_s, angle_rad, 0.0))
+    return replace(base, orientation=product(base.orientation, turn))
 
 
 @of_base
-def started_anywhere(
-    base: BaseRecording, metres: tuple[float, float, float], angle_rad: float
+def relocalised(
+    base: BaseRecording, at_s: float, angle_rad: float, metres: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> BaseRecording:
-    """Let odometry begin at another place, with another heading: nothing is wrong with that."""
-    return _turned(base, np.full(len(base.time), angle_rad), metres)
-
-
-def _turned(
-    base: BaseRecording, angle_rad: Floats, metres: Sequence[float] | Floats, about: int = 0
-) -> BaseRecording:
-    """Turn and move the world of poses about that of a row."""
-    turn, centre = _about_z(base, angle_rad), base.position[about]
+    """Let a localisation turn and move the world about the base at once."""
+    late = base.time >= at_s
+    turn, centre = _about_z(base, np.where(late, angle_rad, 0.0)), base.position[np.argmax(late)]
     return replace(
         base,
-        position=turned(turn, base.position - centre) + centre + np.asarray(metres),
+        position=turned(turn, base.position - centre) + centre + np.outer(late, metres),
         orientation=product(turn, base.orientation),
         velocity=turned(turn, base.velocity),
     )
@@ -155,23 +129,6 @@ def _turned(
 def orientation_constant(base: BaseRecording) -> BaseRecording:
     """Let the orientation be that of the first pose for ever."""
     return replace(base, orientation=np.tile(base.orientation[:1], (len(base.time), 1)))
-
-
-@of_base
-def relocalised(
-    base: BaseRecording, at_s: float, angle_rad: float, metres: tuple[float, float] = (0.0, 0.0)
-) -> BaseRecording:
-    """Let a localisation turn and move the world about the base at once."""
-    late = base.time >= at_s
-    moved = np.outer(late, (*metres, 0.0))
-    return _turned(base, np.where(late, angle_rad, 0.0), moved, int(np.argmax(late)))
-
-
-@of_base
-def yaw_steps(base: BaseRecording, at_s: float, angle_rad: float) -> BaseRecording:
-    """Let the yaw alone step at once."""
-    steps = np.where(base.time >= at_s, angle_rad, 0.0)
-    return replace(base, orientation=product(base.orientation, _about_z(base, steps)))
 
 
 def of_link(metres: tuple[float, float, float], frame: str = "imu_link") -> Disturbance:
@@ -191,23 +148,11 @@ def of_link(metres: tuple[float, float, float], frame: str = "imu_link") -> Dist
     return change
 
 
-def quarter_speed(*, feet: bool) -> Disturbance:
-    """Let a simulation go at a quarter of real time, and feet, or the base, have no stamps."""
-
-    def change(recording: Recording) -> Recording:
-        slow = slow_simulation(4.0)(recording)
-        if feet:
-            return slow.each_foot(lambda _, foot: replace(foot, stamp=np.zeros_like(foot.stamp)))
-        return replace(slow, base=replace(slow.base, stamp=np.zeros_like(slow.base.stamp)))
-
-    return change
-
-
 def of_robot(name: str) -> Disturbance:
     """Let the only poses be those of another robot, which goes elsewhere."""
 
     def change(recording: Recording) -> Recording:
-        other = started_anywhere((5.0, -3.0, 0.0), 1.0)(recording)
+        other = relocalised(0.0, 1.0, (5.0, -3.0, 0.0))(recording)
         moved = replace(other.base, position=other.base.position * [1.6, 1.6, 1.0])
         return replace(recording, base=moved, odometry=f"/{name}/odom")
 
@@ -220,3 +165,126 @@ def flat(base: BaseRecording) -> BaseRecording:
     ahead = turned(base.orientation, np.tile([1.0, 0.0, 0.0], (len(base.time), 1)))
     orientation = about_axis(2, np.arctan2(ahead[:, 1], ahead[:, 0]))
     return replace(base, position=base.position * [1.0, 1.0, 0.0], orientation=orientation)
+
+
+def _moved(base: BaseRecording, by: Floats) -> BaseRecording:
+    return replace(base, position=base.position + by)
+
+
+@of_base
+def from_zero(base: BaseRecording) -> BaseRecording:
+    """Let the odometry begin at the origin, wherever the base is."""
+    return _moved(base, -base.position[0])
+
+
+def points_drifting(share: float) -> Disturbance:
+    """Let contact points be placed by another odometry, which drifts by a share of the way."""
+
+    def change(recording: Recording) -> Recording:
+        base, level = recording.base, share * np.array([1.0, 1.0, 0.0])
+        return recording.each_foot(
+            lambda _, foot: replace(
+                foot, point=foot.point + level * at_times(foot.time, base, base.position)
+            )
+        )
+
+    return change
+
+
+@of_base
+def drifting(base: BaseRecording, metres_per_metre: float) -> BaseRecording:
+    """Let the odometry overrate the way by a part of it, sideways."""
+    way = np.linalg.norm(base.position - base.position[0], axis=1)
+    return _moved(base, np.outer(way * metres_per_metre, (0.0, 1.0, 0.0)))
+
+
+@of_base
+def rising(base: BaseRecording, metres_per_second: float) -> BaseRecording:
+    """Let z of the odometry drift."""
+    return _moved(base, np.outer(base.time * metres_per_second, (0.0, 0.0, 1.0)))
+
+
+@of_base
+def leaning(base: BaseRecording, at_s: float, metres: Sequence[float]) -> BaseRecording:
+    """Let the body lean elsewhere over its feet from some moment on, within a second."""
+    part = np.clip(base.time - at_s, 0.0, 1.0)
+    return _moved(base, np.outer(part * part * (3.0 - 2.0 * part), metres))
+
+
+@of_base
+def jump(base: BaseRecording, at_s: float, metres: Sequence[float]) -> BaseRecording:
+    """Let the odometry count from another place, from a time on."""
+    return _moved(base, np.outer(base.time >= at_s, metres))
+
+
+@of_base
+def pose_noise(base: BaseRecording, std_m: float) -> BaseRecording:
+    """Add white noise to the base's position."""
+    return _moved(base, np.random.default_rng(0).normal(0.0, std_m, base.position.shape))
+
+
+def driven(recording: Recording) -> Recording:
+    """Let the base go up and down as the feet's vertical forces drive it."""
+    time = np.arange(0.0, recording.seconds, 0.001)
+    force = sum(np.interp(time, foot.time, foot.force[:, 2]) for foot in recording.feet)
+    excess = force / recording.robot.mass_kg - GRAVITY_MPS2
+    speed = np.cumsum(excess) * 0.001
+    way = np.cumsum(speed - np.polyval(np.polyfit(time, speed, 1), time)) * 0.001
+    heave = way - np.polyval(np.polyfit(time, way, 1), time)
+    above = np.interp(recording.base.time, time, heave)
+    base = _moved(recording.base, np.outer(above, (0.0, 0.0, 1.0)))
+    return replace(recording, base=base)
+
+
+@of_base
+def restamped(base: BaseRecording, seconds: float) -> BaseRecording:
+    """Let a recorder stamp the odometry anew, late: by stamps and log times alike."""
+    late = round(seconds * 1e9)
+    return replace(base, stamp=base.stamp + late, log_time=base.log_time + late)
+
+
+def z_down(recording: Recording) -> Recording:
+    """Let base, contact points and forces be in a world with z down and y to the right."""
+    flip, turn = np.array([1.0, -1.0, -1.0]), np.array([1.0, -1.0, -1.0, 1.0])
+    base = recording.base
+    turned_base = replace(
+        base,
+        position=base.position * flip,
+        orientation=base.orientation * turn,
+        velocity=base.velocity * flip,
+    )
+    return replace(recording, base=turned_base).each_foot(
+        lambda _, foot: replace(
+            foot, force=foot.force * flip, point=foot.point * flip, normal=foot.normal * flip
+        )
+    )
+
+
+def swapped(first: str, second: str) -> Disturbance:
+    """Let two feet's sensors speak on each other's topics."""
+
+    def change(recording: Recording) -> Recording:
+        rows = [recording.robot.feet.index(name) for name in (first, second)]
+        feet = list(recording.feet)
+        feet[rows[0]], feet[rows[1]] = feet[rows[1]], feet[rows[0]]
+        return replace(recording, feet=tuple(feet))
+
+    return change
+
+
+@of_base
+def y_up(base: BaseRecording, *, body: bool) -> BaseRecording:
+    """Let motion capture count in a world whose y is up, and x forward.
+
+    Args:
+        base: its poses.
+        body: whether the body's y is up, too, as that of a rigid body that was defined in it.
+    """
+    turn = about_axis(0, np.full(len(base.time), -np.pi / 2.0))
+    orientation = product(turn, base.orientation)
+    return replace(
+        base,
+        position=turned(turn, base.position),
+        orientation=product(orientation, inverse(turn)) if body else orientation,
+        velocity=turned(turn, base.velocity),
+    )

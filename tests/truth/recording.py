@@ -1,9 +1,10 @@
 """Sensor messages of one robot as columns, and the truth about it."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, fields, replace
 from functools import wraps
-from typing import Any, Concatenate, Literal, ParamSpec
+from typing import Any, Concatenate, Literal, ParamSpec, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,9 +84,9 @@ class Truth:
     """Where feet stand elsewhere at once, as recordings were joined."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootRecording:
-    """n messages of one foot's sensor."""
+@dataclass(frozen=True)
+class Messages:
+    """n messages of a topic."""
 
     time: Floats
     """(n,) s, true time."""
@@ -93,6 +94,22 @@ class FootRecording:
     """(n,) ns."""
     log_time: Ints
     """(n,) ns."""
+
+    @classmethod
+    def sent(cls, time: Floats, *columns: Any) -> Self:
+        """Stamp messages with one perfect clock."""
+        stamp = nanoseconds(time)
+        return cls(time, stamp, stamp + LOGGED_AFTER_NS, *columns)
+
+    def pick(self, rows: Flags | Ints) -> Self:
+        """Keep the chosen messages."""
+        return replace(self, **{each.name: getattr(self, each.name)[rows] for each in fields(self)})
+
+
+@dataclass(frozen=True)
+class FootRecording(Messages):
+    """n messages of one foot's sensor."""
+
     touching: Flags
     """(n,) whether the foot is on the ground."""
     force: Floats
@@ -104,21 +121,11 @@ class FootRecording:
     link: Floats
     """(n, 4) x, y, z, w: the sensor's link in the base."""
 
-    def pick(self, rows: Flags | Ints) -> "FootRecording":
-        """Keep the chosen messages."""
-        return FootRecording(*(getattr(self, name)[rows] for name in self.__slots__))
 
-
-@dataclass(frozen=True, slots=True)
-class BaseRecording:
+@dataclass(frozen=True)
+class BaseRecording(Messages):
     """n messages of the base's odometry."""
 
-    time: Floats
-    """(n,) s, true time."""
-    stamp: Ints
-    """(n,) ns."""
-    log_time: Ints
-    """(n,) ns."""
     position: Floats
     """(n, 3) m."""
     orientation: Floats
@@ -126,23 +133,15 @@ class BaseRecording:
     velocity: Floats
     """(n, 3) m/s, in the world."""
 
-    def pick(self, rows: Flags | Ints) -> "BaseRecording":
-        """Keep the chosen messages."""
-        return BaseRecording(*(getattr(self, name)[rows] for name in self.__slots__))
 
-
-@dataclass(frozen=True, slots=True)
-class VectorRecording:
+@dataclass(frozen=True)
+class VectorRecording(Messages):
     """n messages of a topic that holds one vector: a velocity command, an accelerometer."""
 
     topic: str
     kind: Literal["twist", "twist_stamped", "imu"]
-    stamp: Ints
-    """(n,) ns."""
-    log_time: Ints
-    """(n,) ns."""
     vector: Floats
-    """(n, 3) linear x and y and angular z, or a linear acceleration."""
+    """(n, 3) linear x and y and angular z, or a linear acceleration; (n, 6) with a turn rate."""
     frame: str = "base_link"
 
 
@@ -244,6 +243,21 @@ def of_base(
     return fault
 
 
+def of_all(change: Callable[Concatenate[Any, P], Any]) -> Callable[P, Disturbance]:
+    """Make a fault of feet and base out of a change of a topic's messages."""
+
+    @wraps(change)
+    def fault(*words: P.args, **named: P.kwargs) -> Disturbance:
+        def changed(recording: Recording) -> Recording:
+            base = change(recording.base, *words, **named)
+            moved = replace(recording, base=base)
+            return moved.each_foot(lambda _, foot: change(foot, *words, **named))
+
+        return changed
+
+    return fault
+
+
 def on(fault: Disturbance, *feet: str) -> Disturbance:
     """Let a fault be of some feet only."""
 
@@ -266,37 +280,14 @@ def nanoseconds(time: Floats) -> Ints:
     return np.asarray(START_NS + np.round(time * 1e9), dtype=np.int64)
 
 
-def foot_messages(
-    time: Floats, touching: Flags, force: Floats, point: Floats, normal: Floats, link: Floats
-) -> FootRecording:
-    """Stamp the messages of a foot's sensor with one perfect clock."""
-    stamp = nanoseconds(time)
-    return FootRecording(time, stamp, stamp + LOGGED_AFTER_NS, touching, force, point, normal, link)
-
-
-def base_messages(
-    time: Floats, position: Floats, orientation: Floats, velocity: Floats
-) -> BaseRecording:
-    """Stamp the base's poses with one perfect clock."""
-    stamp = nanoseconds(time)
-    return BaseRecording(time, stamp, stamp + LOGGED_AFTER_NS, position, orientation, velocity)
-
-
-def vector_messages(
-    topic: str,
-    kind: Literal["twist", "twist_stamped", "imu"],
-    time: Floats,
-    vector: Floats,
-    frame: str = "base_link",
-) -> VectorRecording:
-    """Stamp vectors with one perfect clock."""
-    stamp = nanoseconds(time)
-    return VectorRecording(topic, kind, stamp, stamp + LOGGED_AFTER_NS, vector, frame)
-
-
 def sample_times(seconds: float, rate_hz: float) -> Floats:
     """(n,) s, at a steady rate."""
     return np.arange(int(seconds * rate_hz + 1e-9) + 1) / rate_hz
+
+
+def at_times(time: Floats, base: BaseRecording, vectors: Floats) -> Floats:
+    """(n, ...) vectors of the base's poses at other times."""
+    return np.stack([np.interp(time, base.time, column) for column in vectors.T], axis=1)
 
 
 def about_axis(axis: int, angle: Floats) -> Floats:
@@ -324,3 +315,52 @@ def product(first: Floats, second: Floats) -> Floats:
 def inverse(rotation: Floats) -> Floats:
     """(n, 4) unit quaternions turned back."""
     return rotation * [-1.0, -1.0, -1.0, 1.0]
+
+
+Point = tuple[float, float]
+
+
+def margins(feet: Floats, down: Flags, body: Floats) -> list[float]:
+    """Return the margins at the times with three feet down.
+
+    Args:
+        feet: (n, feet, 2) m.
+        down: (n, feet).
+        body: (n, 2) m.
+    """
+    return [
+        margin(hull([tuple(point) for point in standing[is_down].tolist()]), tuple(at.tolist()))
+        for standing, is_down, at in zip(feet, down, body, strict=True)
+        if is_down.sum() >= 3
+    ]
+
+
+def hull(points: Sequence[Point]) -> list[Point]:
+    """Return the convex hull, counter-clockwise: Andrew's monotone chain."""
+    ordered = sorted(points)
+
+    def chain(way: Sequence[Point]) -> list[Point]:
+        found: list[Point] = []
+        for point in way:
+            while len(found) > 1 and side(found[-2], found[-1], point) <= 0.0:
+                found.pop()
+            found.append(point)
+        return found[:-1]
+
+    return chain(ordered) + chain(ordered[::-1])
+
+
+def side(start: Point, end: Point, point: Point) -> float:
+    """Return twice the area of a triangle: positive for a point to the left of the way."""
+    return (end[0] - start[0]) * (point[1] - start[1]) - (end[1] - start[1]) * (point[0] - start[0])
+
+
+def margin(corners: Sequence[Point], point: Point) -> float:
+    """Return how far a point is inside a convex polygon; negative outside."""
+    inside, nearest, here = True, math.inf, complex(*point)
+    for start, end in zip(corners, (*corners[1:], corners[0]), strict=True):
+        inside &= side(start, end, point) >= 0.0
+        edge, to = complex(*end) - complex(*start), here - complex(*start)
+        part = min(max((to / edge).real, 0.0), 1.0)
+        nearest = min(nearest, abs(to - part * edge))
+    return nearest if inside else -nearest

@@ -1,27 +1,30 @@
-"""Robots that do not walk: they stand, sit, roll, are carried, or fall; all in closed form.
+"""Robots that do not walk, or not only: they stand, sit, roll, are carried, or fall.
 
 A scene is a few curves over time: the base's height over the ground, its way along x and its roll,
 and the part of the weight that each foot carries. Curves go straight from knot to knot.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Final
+from dataclasses import dataclass, field, fields, replace
+from functools import reduce
+from typing import Final, TypeVar
 
 import numpy as np
 
 from tests.truth.recording import (
+    LOGGED_AFTER_NS,
+    BaseRecording,
     Floats,
     FootRecording,
     FootTruth,
     Recording,
     Truth,
     about_axis,
-    base_messages,
-    foot_messages,
+    nanoseconds,
     sample_times,
 )
 from tests.truth.robots import Robot, quadruped
+from tests.truth.walking import Walk
 
 Knots = Sequence[tuple[float, float]]
 """Times, s, and values; flat before and after them."""
@@ -61,7 +64,7 @@ class Scene:
         zero = np.zeros_like(time)
         position = np.stack([curve(self.forward, time), zero, curve(self.height, time)], axis=1)
         velocity = np.gradient(position, time, axis=0)
-        base = base_messages(time, position, about_axis(0, curve(self.roll, time)), velocity)
+        base = BaseRecording.sent(time, position, about_axis(0, curve(self.roll, time)), velocity)
         feet = tuple(self._foot(foot, time, position) for foot in range(len(self.robot.feet)))
         return Recording(self.robot, feet, base, self.truth, self.seconds)
 
@@ -76,7 +79,7 @@ class Scene:
         along = base[:, 0] if self.rolls else np.where(touching, 0.0, base[:, 0])
         point = np.stack([along + x, zero + y, lifted], axis=1)
         normal = np.tile(up, (len(time), 1))
-        return foot_messages(time, touching, force, point, normal, about_axis(1, zero))
+        return FootRecording.sent(time, touching, force, point, normal, about_axis(1, zero))
 
 
 def _no_steps(contact_fraction: float = 1.0) -> tuple[FootTruth, ...]:
@@ -183,3 +186,108 @@ def rolling() -> Scene:
     """Drive on wheels, all of them loaded."""
     truth = replace(STILL, gait_class=None, forward_speed_mps=0.5, path_length_m=4.0)
     return Scene(truth, forward=((0.0, 0.0), (8.0, 4.0)), rolls=True)
+
+
+@dataclass(frozen=True, slots=True)
+class OneAfterAnother:
+    """Walks and scenes, one after another."""
+
+    parts: tuple[Scene | Walk, ...]
+    segments: tuple[str, ...] = ()
+
+    def recorded(self, rate_hz: float) -> Recording:
+        """Return the messages of perfect sensors."""
+        recording = reduce(then, (each.recorded(rate_hz) for each in self.parts))
+        truth = replace(recording.truth, segments=self.segments)
+        return replace(recording, truth=truth)
+
+
+def then(first: Recording, second: Recording) -> Recording:
+    """Let a recording follow another of the same robot, from where the base is.
+
+    Both must be undisturbed. What is true of the first's gait stays true of the whole, and of the
+    second its events; a foot that is down in one and up in the other lands or leaves between them.
+    """
+    step = first.base.time[1] - first.base.time[0]
+    later = float(first.seconds + step)
+    moved = first.base.position[-1] - second.base.position[0]
+    moved[2] = 0.0
+    pairs = list(zip(first.feet, second.feet, strict=True))
+    truths = zip(first.truth.feet, second.truth.feet, strict=True)
+    seconds = first.seconds, second.seconds
+    feet = tuple(
+        _joined_truth(*truth, *pair, later, seconds)
+        for truth, pair in zip(truths, pairs, strict=True)
+    )
+    return replace(
+        first,
+        feet=tuple(_joined(*pair, later, moved) for pair in pairs),
+        base=_joined(first.base, second.base, later, moved),
+        truth=_joined_truths(first.truth, second.truth, feet, seconds, later),
+        seconds=later + second.seconds,
+    )
+
+
+_Columns = TypeVar("_Columns", FootRecording, BaseRecording)
+
+
+def _joined(first: _Columns, second: _Columns, later: float, moved: Floats) -> _Columns:
+    """Let messages follow others, later and elsewhere."""
+    stamp = nanoseconds(second.time + later)
+    changed = {
+        "time": second.time + later,
+        "stamp": stamp,
+        "log_time": stamp + LOGGED_AFTER_NS,
+        "point": getattr(second, "point", 0.0) + moved,
+        "position": getattr(second, "position", 0.0) + moved,
+    }
+    columns = {
+        name: np.concatenate([getattr(first, name), changed.get(name, getattr(second, name))])
+        for name in (each.name for each in fields(first))
+    }
+    return replace(first, **columns)
+
+
+def _joined_truth(
+    one: FootTruth,
+    other: FootTruth,
+    before: FootRecording,
+    after: FootRecording,
+    later: float,
+    seconds: tuple[float, float],
+) -> FootTruth:
+    was, is_now = before.touching[-1], after.touching[0]
+    lands = (later,) if is_now and not was else ()
+    leaves = (later,) if was and not is_now else ()
+    down = one.contact_fraction * seconds[0] + other.contact_fraction * seconds[1]
+    return replace(
+        one,
+        touchdown_s=(*one.touchdown_s, *lands, *(each + later for each in other.touchdown_s)),
+        lift_off_s=(*one.lift_off_s, *leaves, *(each + later for each in other.lift_off_s)),
+        contact_fraction=down / sum(seconds),
+    )
+
+
+def _joined_truths(
+    first: Truth,
+    second: Truth,
+    feet: tuple[FootTruth, ...],
+    seconds: tuple[float, float],
+    later: float,
+) -> Truth:
+    ways = [way for way in (first.path_length_m, second.path_length_m) if way is not None]
+    way = first.forward_speed_mps * seconds[0] + second.forward_speed_mps * seconds[1]
+    speed = way / (later + seconds[1])
+    return replace(
+        first,
+        feet=feet,
+        path_length_m=sum(ways) if len(ways) == 2 else None,
+        height_m=None,
+        impulse_over_weight=None,
+        forward_speed_mps=speed,
+        support=None,
+        froude=None,
+        climb_m=None,
+        falls_s=first.falls_s + tuple(each + later for each in second.falls_s),
+        seams_s=(*first.seams_s, later),
+    )

@@ -1,4 +1,4 @@
-"""What the base's accelerometer reads: the sum of the feet's forces over the mass."""
+"""What an inertial unit of the base reads."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,10 +10,10 @@ from tests.truth.recording import (
     Floats,
     FootRecording,
     Recording,
+    VectorRecording,
     inverse,
     product,
     turned,
-    vector_messages,
 )
 from tests.truth.robots import GRAVITY_MPS2
 
@@ -48,9 +48,29 @@ def with_imu(
         seat = np.tile(mounting, (len(base.time), 1))
         sensed = turned(inverse(product(base.orientation, seat)), world) / unit_mps2
         sensed = sensed + np.random.default_rng(1).normal(0.0, noise_mps2, sensed.shape)
-        imu = vector_messages("/imu/data", "imu", base.time, sensed, frame)
+        imu = VectorRecording.sent(base.time, "/imu/data", "imu", sensed, frame)
         truth = replace(recording.truth, felt_mps2=G)
         return replace(recording, beside=(*recording.beside, imu), truth=truth)
+
+    return change
+
+
+def with_gyroscope(noise: float = 0.02) -> Disturbance:
+    """Let an inertial unit tell accelerations and turns of the true base: apply it first."""
+
+    def change(recording: Recording) -> Recording:
+        base = recording.base
+        seconds, back = base.time, inverse(base.orientation)
+        moves = np.gradient(np.gradient(base.position, seconds, axis=0), seconds, axis=0)
+        felt = turned(back, moves + np.array([0.0, 0.0, G]))
+        # Of small turns, the vector part is half of the turn.
+        half = product(back[:-1], base.orientation[1:])[:, :3]
+        rate = 2.0 * half / np.diff(seconds)[:, None]
+        rate = np.concatenate([rate, rate[-1:]])
+        both = np.concatenate([felt, rate], axis=1)
+        both += np.random.default_rng(3).normal(0.0, noise, both.shape)
+        imu = VectorRecording.sent(seconds, "/imu/data", "imu", both)
+        return replace(recording, beside=(*recording.beside, imu))
 
     return change
 

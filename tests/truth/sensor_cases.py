@@ -197,6 +197,9 @@ def swinging_legs() -> Iterator[Case]:
         yield Case(name, Walk(gait=gait, robot=robot, period_s=0.6, speed_mps=0.2),
                    (FORCE, sensor.wobble(wobble), sensor.noise(0.05), sensor.offset(newtons)),
                    cause=f"{LEVEL}|CONTACT_UNKNOWN", tolerance=COARSE, skip="verdict")
+    yield Case("walk, 20 kg, wobble 40 %", Walk(gait=gaits.WALK, period_s=1.1),
+               (FORCE, sensor.wobble(78.5), sensor.noise(0.4)), "CONTACT_UNKNOWN", None, COARSE,
+               "verdict")
     yield Case("hexapod of 3.3 kg, wobble 12 %, one sensor stuck",
                Walk(gait=gaits.WAVE, robot=hexapod(3.3), period_s=0.7, speed_mps=0.05),
                (FORCE, sensor.wobble(3.9), sensor.noise(0.1),

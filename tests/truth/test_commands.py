@@ -1,7 +1,5 @@
 """Tracking of commands, against a base that follows them in closed form."""
 
-import io
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -9,12 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 import dogbot_logtool as dl
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.text.stats_text import print_report
 from tests.truth.commanded import Commanded, commanded_walk
 from tests.truth.log_file import write_log
 from tests.truth.recording import VectorRecording
@@ -92,23 +86,6 @@ def test_a_silence_is_no_command(tmp_path: Path) -> None:
     assert "there is no command for 2.5 s of 22.0 s" in said(stats, "NO_COMMAND")[0]
     assert stats["commands"]["commanded_s"] == pytest.approx(22.0 - 2.5, abs=0.06)
     assert not said(stats, "GAPS")
-
-
-def drifts(folder: Path, robot: Commanded) -> dict[str, list[float]]:
-    """What the text says of drift: forward, lateral, yaw."""
-    log = write_log(commanded_walk(robot, robot.commands()), folder / "log.mcap")
-    file = io.StringIO()
-    console, done = Console(file=file, width=200), measure(log, MeasureOptions(mass=20.0))
-    print_report(console, done, verbose=True)
-    lines = re.findall(r"Drift +(.+): (.+)", file.getvalue())
-    return {name: [float(each) for each in re.findall(r"[+-][\d.]+", text)] for name, text in lines}
-
-
-def test_drift_while_straight_is_commanded_and_of_steps_in_place(tmp_path: Path) -> None:
-    ahead = Commanded(((0.0, (0.4, 0.0, 0.0)), (12.0, (0.4, 0.0, 0.5))), drift=(0.0, 0.03, -0.02))
-    assert drifts(tmp_path, ahead)["straight"][1:] == pytest.approx([0.03, -0.02], abs=0.0015)
-    still = Commanded(((0.0, (0.0, 0.0, 0.0)),), drift=(0.05, -0.02, 0.01), seconds=14.0)
-    assert drifts(tmp_path, still)["in place"] == pytest.approx([0.05, -0.02, 0.01], abs=0.0015)
 
 
 def test_poses_years_apart_take_no_memory(tmp_path: Path) -> None:

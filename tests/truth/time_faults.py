@@ -1,10 +1,11 @@
 """What happens to messages on their way into a log: clocks, losses, stamps."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from tests.truth.recording import START_NS, Disturbance, FootRecording, Ints, Recording, of_feet
+from tests.truth.recording import START_NS, Disturbance, FootRecording, Recording, of_all, of_feet
 
 
 @of_feet
@@ -13,23 +14,26 @@ def late_clock(_: int, foot: FootRecording, seconds: float) -> FootRecording:
     return replace(foot, stamp=foot.stamp + round(seconds * 1e9))
 
 
-def no_stamps(recording: Recording) -> Recording:
+@of_all
+def no_stamps(sent: Any) -> Any:
     """Let all stamps be zero."""
-    base = recording.base
-    changed = replace(recording, base=replace(base, stamp=np.zeros_like(base.stamp)))
-    return changed.each_foot(lambda _, foot: replace(foot, stamp=np.zeros_like(foot.stamp)))
+    return replace(sent, stamp=np.zeros_like(sent.stamp))
 
 
-def slow_simulation(factor: float) -> Disturbance:
+@of_all
+def slow_simulation(sent: Any, factor: float) -> Any:
     """Let a second of stamps take longer in log times."""
+    since = ((sent.log_time - START_NS) * factor).astype(np.int64)
+    return replace(sent, log_time=START_NS + since)
 
-    def stretched(log_time: Ints) -> Ints:
-        return START_NS + ((log_time - START_NS) * factor).astype(np.int64)
+
+def quarter_speed(*, feet: bool) -> Disturbance:
+    """Let a simulation go at a quarter of real time, and feet, or the base, have no stamps."""
 
     def change(recording: Recording) -> Recording:
-        base = recording.base
-        changed = replace(recording, base=replace(base, log_time=stretched(base.log_time)))
-        return changed.each_foot(lambda _, foot: replace(foot, log_time=stretched(foot.log_time)))
+        slow = slow_simulation(4.0)(recording)
+        bare = no_stamps()(slow)
+        return replace(slow, feet=bare.feet) if feet else replace(slow, base=bare.base)
 
     return change
 
@@ -91,18 +95,8 @@ def sent_twice(_: int, foot: FootRecording, first: int, count: int) -> FootRecor
     return foot.pick(np.repeat(rows, 1 + twice))
 
 
-def reset(at_s: float) -> Disturbance:
+@of_all
+def reset(sent: Any, at_s: float) -> Any:
     """Let the simulation's clock start anew: all stamps go back, log times go on."""
-    back = round(at_s * 1e9)
-
-    def change(recording: Recording) -> Recording:
-        base = recording.base
-        stamp = np.where(base.time < at_s, base.stamp, base.stamp - back)
-        changed = replace(recording, base=replace(base, stamp=stamp))
-        return changed.each_foot(
-            lambda _, foot: replace(
-                foot, stamp=np.where(foot.time < at_s, foot.stamp, foot.stamp - back)
-            )
-        )
-
-    return change
+    back = np.where(sent.time < at_s, 0, round(at_s * 1e9))
+    return replace(sent, stamp=sent.stamp - back)

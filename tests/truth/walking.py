@@ -13,16 +13,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.truth.gaits import TROT, Gait
-from tests.truth.margins import margins
 from tests.truth.recording import (
+    BaseRecording,
     Floats,
     FootRecording,
     FootTruth,
     Recording,
     Truth,
     about_axis,
-    base_messages,
-    foot_messages,
+    margins,
     product,
     sample_times,
     turned,
@@ -193,14 +192,14 @@ class Walk:
         velocity = np.tile(self.speed_mps * self._forward(np.zeros(1)), (len(base_time), 1))
         body = about_axis(2, np.full_like(base_time, self.body_yaw_rad))
         attitude = product(self.attitude(base_time), body)
-        base = base_messages(base_time, self.base(base_time), attitude, velocity)
+        base = BaseRecording.sent(base_time, self.base(base_time), attitude, velocity)
         feet = tuple(self._foot(foot, time) for foot in range(len(self.robot.feet)))
         return Recording(self.robot, feet, base, self.truth(), self.seconds)
 
     def _foot(self, foot: int, time: Floats) -> FootRecording:
         touching = self.cycles(foot, time) % 1.0 < self.gait.duty
         zero = np.zeros_like(time)
-        return foot_messages(
+        return FootRecording.sent(
             time,
             touching,
             self.force(foot, time),

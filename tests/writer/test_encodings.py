@@ -18,11 +18,16 @@ from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.channels import added_channels
-from dogbot_logtool.writer.chunks import CHUNK_SIZE, finish_chunks, indexed_channels
+from dogbot_logtool.writer.chunks import (
+    CHUNK_SIZE,
+    MessageRecords,
+    finish_chunks,
+    indexed_channels,
+    recorded,
+)
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros import Ros2Encoding
-from dogbot_logtool.writer.message_records import MessageRecords, recorded
 from dogbot_logtool.writer.template import (
     Columns,
     Literal,
@@ -33,7 +38,7 @@ from dogbot_logtool.writer.template import (
 )
 from tests.oracles import walks
 from tests.oracles.annotated_file import read_written
-from tests.oracles.ros1_logs import write_standing_log
+from tests.oracles.small_logs import write_standing_log
 
 NS = 1_000_000_000
 KIND = MessageType("a/B", "ros1msg", b"", "ros1")

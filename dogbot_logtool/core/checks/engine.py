@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.checks import base, beside, clock, feet, poses, sensors
+from dogbot_logtool.core.checks import base, feet, recorded, sensors
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
@@ -24,7 +24,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, beside)
+MODULES: Final = (base, sensors, feet, recorded)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES
@@ -57,73 +57,58 @@ def questions_of(walk: Walk, findings: Iterable[Finding]) -> tuple[Question, ...
     """
     doubts = [each for each in findings if each.severity is not Severity.NOTE]
     made = []
-    for name, lack, obstacle in _questions(walk):
+    for name, applies, obstacle in _questions(walk):
         against = next((each.text for each in doubts if name in each.fails), "")
-        answers = ("failed", against), ("does not apply", lack), ("not made", obstacle)
-        outcome, reason = next((each for each in answers if each[1]), ("passed", None))
-        made.append(Question(name, outcome, reason))
+        outcomes = {"failed": against, "does not apply": not applies, "not made": obstacle}
+        outcome = next((word for word, holds in outcomes.items() if holds), "passed")
+        made.append(Question(name, outcome, {"failed": against, "not made": obstacle}.get(outcome)))
     return tuple(made)
 
 
-def _questions(walk: Walk) -> Sequence[tuple[str, str, str]]:
-    """Return each question, what the log lacks for it, and why else it cannot be answered."""
-    records = walk.records
+def _questions(walk: Walk) -> Sequence[tuple[str, bool, str]]:
+    """Return each question, whether the log holds data of its kind, and why it is not answered."""
+    records, legs, imu = walk.records, walk.legs, walk.imu
     forced = [row for row, each in enumerate(records) if each.has_force]
     assumed = (walk.settings.feet[row].level.reason for row in forced)
-    odd_legs = (leg.reason for leg in walk.legs.feet) if walk.legs else ()
+    odd_legs = (leg.reason for leg in legs.feet) if legs else ()
     seen = any(each.start is not None for each in records)
-    posed = len(walk.base_history.time)
+    posed = len(walk.base_history.time) > 0
     pointed = any(len(each.track.contact_points[0]) for each in records)
-    no_feet = "" if seen else "the log has no usable messages of feet"
-    no_poses = "" if posed else "the log has no usable poses"
-    no_points = "" if pointed else "the sensors report no contact points"
-    no_forces = "" if forced else "the sensors report no forces"
     no_worlds = "" if walk.worlds else "two feet are not seen to touch near poses for a second each"
-    compared, mass = walk.loads.vertical_impulse_over_weight is not None, walk.settings.mass_kg
-    lacking = "the vertical load of all feet" if mass else "the mass"
-    no_weight = "" if compared else f"{lacking} is not known"
-    no_legs = "" if walk.legs else "nothing tells of the legs"
-    no_stamps, one_clock, few_stamps = _clocks(walk)
+    lacking = "the vertical load of all feet" if walk.settings.mass_kg else "the mass"
+    weighed = walk.loads.vertical_impulse_over_weight is not None
+    odd_imu = "accelerometer and poses are not known together for 2 s"
+    if imu is not None:
+        undecided = imu.reading in {"nothing", "unclear"}
+        odd_imu = "it does not follow the base's attitude" if undecided else ""
+    has_stamps, has_clocks, few_stamps = _clocks(walk)
     return (
-        ("every foot's sensor works", no_feet, ""),
-        ("what sensors read without load is known", no_forces, next(filter(None, assumed), "")),
-        ("the base's poses are sound", no_poses, ""),
-        ("header stamps are sound", no_stamps, ""),
-        ("all topics have one clock", one_clock, few_stamps),
-        ("no topic is silent for long", "", ""),
-        ("contacts are where the base is", no_poses or no_points, no_worlds),
-        ("the base moves as the feet step", no_feet or no_poses, ""),
-        ("the feet carry the weight", no_forces, no_weight),
-        ("nothing contradicts the accelerometer", *_accelerometer(walk, no_poses)),
-        ("the legs move as the feet step", no_legs, next(filter(None, odd_legs), "")),
+        ("every foot's sensor works", seen, ""),
+        ("what sensors read without load is known", bool(forced), next(filter(None, assumed), "")),
+        ("the base's poses are sound", posed, ""),
+        ("header stamps are sound", has_stamps, ""),
+        ("all topics have one clock", has_clocks, few_stamps),
+        ("no topic is silent for long", True, ""),
+        ("contacts are where the base is", posed and pointed, no_worlds),
+        ("the base moves as the feet step", seen and posed, ""),
+        ("the feet carry the weight", bool(forced), "" if weighed else f"{lacking} is not known"),
+        ("nothing contradicts the accelerometer", posed and bool(walk.settings.imu_topic), odd_imu),
+        ("the legs move as the feet step", legs is not None, next(filter(None, odd_legs), "")),
     )
 
 
-def _clocks(walk: Walk) -> tuple[str, str, str]:
-    """Say that there are no stamps, no two clocks, or too few stamps to compare clocks."""
+def _clocks(walk: Walk) -> tuple[bool, bool, str]:
+    """Tell whether there are stamps, whether two clocks, and why these are not compared."""
     topics = {foot.topic for foot in walk.feet if foot.record.start is not None}
     if len(walk.base_history.time):
         topics.add(walk.settings.odometry_topic)
     used = [topic for topic in walk.corrected.topics if topic.topic in topics]
-    bare = ", ".join(topic.topic for topic in used if topic.zero_stamps is None)
-    apart = ", ".join(sorted(topics - {each.topic for each in walk.corrected.clocks}))
-    no_stamps = f"messages of {bare} have no header stamps" if bare else ""
-    one_clock = no_stamps
-    if len(topics) < 2:
-        one_clock = "there is only one topic"
-    elif used and all(topic.clock_offset_s == 0.0 for topic in used):
-        one_clock = "log times are the header stamps"
-    few_stamps = f"too little time with header stamps in common: {apart}" if apart else ""
-    return no_stamps, one_clock, few_stamps
-
-
-def _accelerometer(walk: Walk, no_poses: str) -> tuple[str, str]:
-    if not walk.settings.imu_topic:
-        return "the log has no accelerometer of the base", ""
-    if walk.imu is None:
-        return no_poses, "accelerometer and poses are not known together for 2 s"
-    undecided = walk.imu.reading in {"nothing", "unclear"}
-    return no_poses, "it does not follow the base's attitude" if undecided else ""
+    has_stamps = all(topic.zero_stamps is not None for topic in used)
+    # Log times that are the header stamps are no second clock.
+    apart = not used or any(topic.clock_offset_s != 0.0 for topic in used)
+    missing = ", ".join(sorted(topics - {each.topic for each in walk.corrected.clocks}))
+    few_stamps = f"too little time with header stamps in common: {missing}" if missing else ""
+    return has_stamps, has_stamps and len(topics) > 1 and apart, few_stamps
 
 
 _METRICS: Final[Mapping[str, Sequence[str]]] = {

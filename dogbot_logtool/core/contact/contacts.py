@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
@@ -21,6 +22,7 @@ from dogbot_logtool.core.arrays import (
     median_of,
     norms,
     picked,
+    rows_of_runs,
     sum_by_group,
 )
 from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
@@ -223,9 +225,6 @@ _SPACING_NS: Final = 40_000_000
 """Samples without contact are told this far apart; more than 50 ms would be a gap."""
 _LONG_INTERVALS: Final = 6.0
 """Silences longer than so many intervals are swings nearly always, not lost messages."""
-_BURST: Final = 0.5
-"""Messages that are logged in less than this part of the time between their stamps come in
-bursts."""
 _USUAL_INTERVAL_NS: Final = 10_000_000
 """ns, assumed of a sensor that sent hardly any message."""
 _FEWEST_SILENCES: Final = 3
@@ -245,6 +244,7 @@ nearly always, (k,) ns; none, if they are too few to tell anything."""
 def with_swings(
     feet: Sequence[Samples],
     silent: Iterable[int],
+    clock: TimeSource,
     log_start: int | None,
     log_end: int | None,
 ) -> tuple[Samples, ...]:
@@ -252,24 +252,22 @@ def with_swings(
 
     The first sample without contact stands one interval after the last contact, and the last one
     interval before the next, where an always-speaking sensor would have said so. Header stamps and
-    log times are interpolated. Silences are seen on the log's clock, on that of the stamps where
-    messages are logged in bursts.
+    log times are interpolated.
 
     Args:
         feet: samples of each foot, in the order of the log.
         silent: the feet that are silent in swing; the others stay as they are.
+        clock: on which silences are seen.
         log_start: ns, log time from which silence counts; None: from the first contact.
         log_end: ns, log time up to which it counts; None: up to the last contact.
 
     Returns:
         the samples and the inserted ones of each foot, in order.
     """
-    silent = [foot for foot in silent if len(feet[foot].log_time)]
-    if not silent:
-        return tuple(feet)
-    clock = _clock_of_silences([feet[foot] for foot in silent])
     times = [clock.of(samples) for samples in feet]
-    usual = {foot: _usual(times[foot]) for foot in silent}
+    usual = {foot: _usual(times[foot]) for foot in silent if len(times[foot])}
+    if not usual:
+        return tuple(feet)
     dropouts = _dropouts(times, usual)
     return tuple(
         _swinging(samples, clock, usual[foot], dropouts, log_start, log_end)
@@ -277,16 +275,6 @@ def with_swings(
         else samples
         for foot, samples in enumerate(feet)
     )
-
-
-def _clock_of_silences(feet: Sequence[Samples]) -> TimeSource:
-    """Return the log's clock, or header stamps where messages are logged in bursts."""
-    log = np.concatenate([np.diff(samples.log_time) for samples in feet])
-    stamp = np.concatenate([np.diff(samples.stamp) for samples in feet])
-    apart = stamp > 0
-    if not apart.any() or median_of(log[apart]) >= _BURST * median_of(stamp[apart]):
-        return TimeSource.LOG
-    return TimeSource.HEADER
 
 
 def _usual(time: Ints) -> Usual:
@@ -305,7 +293,7 @@ def _dropouts(times: Sequence[Ints], usual: Mapping[int, Usual]) -> Ints:
     """
     intervals, strides = zip(*((each, len(swings)) for each, swings in usual.values()), strict=True)
     if not all(strides):
-        return np.empty((0, 2), np.int64)
+        return timespans.no_spans()
     together = np.diff(np.sort(np.concatenate([times[foot] for foot in usual])))
     longest = max(_LONG_INTERVALS * max(intervals), float(SILENCE_NS))
     flights = together[(together > longest) & (together <= LONGEST_SWING_NS)]
@@ -325,40 +313,39 @@ def _swinging(
     log_end: int | None,
 ) -> Samples:
     """Insert the swings of a foot, of which there are n samples; arguments as in `with_swings`."""
-    (interval, swings), on_stamps = usual, clock is TimeSource.HEADER
+    interval, swings = usual
     times = np.stack([samples.log_time, samples.stamp])
+    on_stamps = clock is TimeSource.HEADER
+    # Messages that are logged in bursts are late, but for the last of each.
+    late = int((times[0] - times[1]).min()) if on_stamps else 0
     # The log's ends may cut a swing: the foot is silent from one interval before the log starts.
-    # Where messages come in bursts it is not known when that is on the clock of their stamps, and
-    # a stamp of 0 or less would say that there are none.
-    ahead = 0 if log_start is None or on_stamps else int(times[0, 0]) - log_start + interval
+    first = int(times[int(on_stamps), 0]) + late
+    ahead = 0 if log_start is None else first - log_start + interval
     if times[1, 0] <= max(0, ahead - interval):
+        # A stamp of 0 or less would say that there are none.
         ahead = 0
     behind = 0 if log_end is None else log_end + interval - int(times[0, -1])
     times = np.concatenate([times[:, :1] - ahead, times, times[:, -1:] + behind], axis=1)
-    time, steps = times[1 if on_stamps else 0], np.diff(times)
+    time, steps = times[int(on_stamps)], np.diff(times)
     step = np.diff(time)
-    since = np.searchsorted(dropouts[:, 0], time[:-1])
-    known = np.searchsorted(dropouts[:, 1], time[1:], side="right") <= since
-    # After the foot's last message, no other comes on any clock but the log's.
-    known[-1] = since[-1] == len(dropouts)
     # The log's start or end may cut a swing; a shorter silence is a lost message even there.
     lasts_from = np.full(len(step), round(MISSED_INTERVALS * interval))
     if len(swings):
         shortest = round(_PART_OF_SWING * float(median_of(swings)))
         lasts_from[1:-1] = np.maximum(lasts_from[1:-1], shortest)
-    swing = known & (step > lasts_from) & (step <= LONGEST_SWING_NS)
+    swing = (step > lasts_from) & (step <= LONGEST_SWING_NS)
     swing &= (steps[1] >= 0) & (steps[1] <= 2 * LONGEST_SWING_NS)
+    swing &= ~timespans.touches(dropouts, time[:-1] + 1, time[1:] - 1)
     spacing = max(interval, _SPACING_NS)
     count = np.where(swing, 1 - (2 * interval - step) // spacing, 0)
-    silence = np.repeat(np.arange(len(step)), count)
-    number = np.arange(len(silence)) - np.repeat(np.cumsum(count) - count, count)
+    number, silence, _ = rows_of_runs(np.zeros_like(count), count)
     passed = np.minimum(interval + number * spacing, step[silence] - interval)
     share: Floats = passed / np.maximum(step[silence], 1)
     inserted = times[:, silence] + np.round(share * steps[:, silence]).astype(np.int64)
     # Each is placed behind the sample that begins its silence.
-    own = np.arange(len(samples.log_time))
-    row = np.concatenate([own, np.maximum(silence - 1, 0)])
-    order = np.argsort(np.concatenate([2 * own, 2 * silence - 1]), kind="stable")
+    row = np.concatenate([np.arange(len(samples.log_time)), silence - 1])
+    order = np.argsort(row, kind="stable")
     log_time, stamp = np.concatenate([times[:, 1:-1], inserted], axis=1)[:, order]
-    whole = replace(samples.pick(row[order]), log_time=log_time, stamp=stamp)
-    return without_contact(whole, order >= len(own))
+    picked_rows = samples.pick(np.maximum(row[order], 0))
+    whole = replace(picked_rows, log_time=log_time, stamp=stamp)
+    return without_contact(whole, order >= len(samples.log_time))

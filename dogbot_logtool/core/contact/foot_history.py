@@ -1,4 +1,14 @@
-"""Everything that is measured on one foot, from the columns of its samples."""
+"""When is a foot on the ground, and what is measured of it, from the columns of its samples.
+
+Contact is a Schmitt trigger on |F|: on from one threshold, off below a lower one, or as soon as
+the sensor itself says that nothing touches (a message without states). Unless a lower threshold
+is set, only the sensor's word ends a contact: a walking foot may carry next to nothing for a
+tenth of a second and yet stay where it is, and bumpers are silent in swing. Then swings
+shorter than the debounce time are filled, and after that stances shorter than it are dropped (a
+foot that brushes the ground). Stances are joined that a foot bounces between at touchdown, again
+and again. Two thresholds and minimum durations are practice in biomechanics (Kinetics Toolkit,
+`detect_cycles`) and in state estimation for legged robots (pronto's stance estimator).
+"""
 
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -6,14 +16,15 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, means_by_group, median_of
-from dogbot_logtool.core.contact.contact_rule import (
-    ContactRule,
-    backdated,
-    find_stances,
-    joined_bounces,
-    rows_in_stances,
-    schmitt,
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    flagged_runs,
+    latched,
+    means_by_group,
+    median_of,
+    percentiles_of,
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.stances import (
@@ -24,10 +35,14 @@ from dogbot_logtool.core.contact.stances import (
     foot_track,
     stance_figures,
 )
-from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
+from dogbot_logtool.core.corrections.sensor import ContactRule
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
+_STUCK: Final = 0.99
+"""Share of neighbouring loaded samples that are equal in a sensor that is stuck."""
+_STUCK_SAMPLES: Final = 40
 _TOUCH_N: Final = 1.0
 """Stands for the force of a contact whose force is not known; no figure shows it."""
 FEWEST_STANCES: Final = 4
@@ -46,10 +61,8 @@ class FootHistory:
     """Messages whose force is not finite; left out."""
     not_advancing: int
     """Messages that repeat a time or step back; left out."""
-    loaded: int
-    """Samples in contact."""
-    repeated: int
-    """Samples in contact whose force equals, to the bit, the one before."""
+    is_constant: bool
+    """Whether the force never varies while the foot is loaded."""
     start: int | None
     """ns, first usable sample; None without any. Also `end`, the last one."""
     end: int | None
@@ -140,7 +153,7 @@ def foot_history(
     """
     messages = len(samples.foot)
     if not has_force:
-        rule = rule._replace(on_n=_TOUCH_N, off_n=0.0, backdates=False, unusable="")
+        rule = rule._replace(on_n=_TOUCH_N, off_n=0.0, unusable="")
         touches = np.outer(np.where(samples.in_contact, _TOUCH_N, 0.0), [0.0, 0.0, 1.0])
         samples = replace(samples, force=touches)
     if rule.unusable:
@@ -149,21 +162,19 @@ def foot_history(
     track, samples, not_finite = foot_track(samples, clock, force_in_world=force_in_world)
     time, force = track.time, track.force
     contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
-    loaded = int(contact.sum())
     # Turned into the world, a constant force differs in its last digits.
     equal = np.abs(np.diff(force)) <= _SAME * force[1:]
-    repeated = int((equal & contact[1:] & contact[:-1]).sum())
-    if rule.backdates:
+    loaded = equal[contact[1:] & contact[:-1]]
+    enough = has_force and len(loaded) >= _STUCK_SAMPLES
+    if not rule.by_flag:
         contact = backdated(contact, time, force, rule.off_n)
-    shortest = rule.debounce_s, rule.brief_s or 0.0
-    starts, ends, filled, dropped = find_stances(time, contact, *shortest)
+    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s, rule.brief_s)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
-    if rule.brief_s is not None:
-        stances = len(starts)
-        starts, ends = joined_bounces(time, starts, ends)
-        filled += stances - len(starts)
+    stances = len(starts)
+    starts, ends = joined_bounces(time, starts, ends)
+    filled += stances - len(starts)
 
     gaps = track.gaps
     if len(breaks):
@@ -181,8 +192,7 @@ def foot_history(
         messages=messages,
         not_finite=not_finite,
         not_advancing=used - not_finite - len(time),
-        loaded=loaded,
-        repeated=repeated if has_force else 0,
+        is_constant=bool(enough and loaded.mean() >= _STUCK),
         start=int(time[0]) if len(time) else None,
         end=int(time[-1]) if len(time) else None,
         median_interval_s=float(median_of(steps)) / 1e9 if len(steps) else None,
@@ -204,18 +214,14 @@ def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
 
     Usual is what half of the time on the ground is spent in.
     """
-    nothing = np.zeros(len(starts), np.bool_)
     if len(starts) < FEWEST_STANCES:
-        return nothing
+        return np.zeros(len(starts), np.bool_)
     duration = track.time[ends] - track.time[starts]
-    if not (duration < SCUFF_DURATION * duration.max()).any():
-        return nothing
-    order = np.argsort(duration)
-    half = np.searchsorted(np.cumsum(duration[order]), duration.sum() / 2)
-    usual = int(duration[order[min(half, len(order) - 1)]])
+    ordered = np.sort(duration)
+    usual = ordered[np.searchsorted(np.cumsum(ordered), duration.sum() / 2)]
     impulse = track.force_impulse.total[:, 0]
     mean = (impulse[ends] - impulse[starts]) / np.maximum(duration / 1e9, 1e-9)
-    load = float(median_of(mean[duration > usual // 2]))
+    load = float(median_of(mean[duration >= usual]))
     scuff = (duration < SCUFF_DURATION * usual) & (mean < SCUFF_LOAD * load)
     swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)
     scuff &= (swing > duration) & (np.concatenate([[0], swing[:-1]]) > duration)
@@ -248,3 +254,128 @@ def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
     known = np.isfinite(means[:, 0])
     middle[known] = begin[0] + means[known, 0].astype(np.int64)
     return middle, means[:, 1:]
+
+
+BOUNCE: Final = 0.2
+"""Share of a foot's usual swing below which a swing is a bounce, if it is shorter than
+`LONGEST_BOUNCE_S`."""
+LONGEST_BOUNCE_S: Final = 0.08
+FEWEST_BOUNCES: Final = 3
+"""Bounces of a foot in a log, at least."""
+LONGEST_RISE_S: Final = 0.1
+"""s: a touchdown is dated back by no more."""
+
+
+def schmitt(force: Floats, rule: ContactRule) -> Flags:
+    """Trigger with two thresholds: between them, the state stays what it was, at first off.
+
+    Args:
+        force: (n,) N.
+        rule: thresholds.
+
+    Returns:
+        (n,) bool.
+    """
+    return latched(force >= rule.on_n, (force < rule.off_n) | (force == 0.0))
+
+
+def silent_before(time: Ints) -> Flags:
+    """(n,) tell whether nothing is known just before: the first sample, or one after a silence.
+
+    Args:
+        time: (n,) ns, strictly increasing.
+    """
+    silent: Flags = np.diff(time, prepend=time[:1]) > SILENCE_NS
+    silent[:1] = True
+    return silent
+
+
+def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
+    """Date touchdowns back to where the force rose above the off threshold.
+
+    A rise lasts `LONGEST_RISE_S` at most and does not reach over a silence.
+
+    Args:
+        contact: (n,) state of the Schmitt trigger.
+        time: (n,) ns, strictly increasing.
+        force: (n,) N.
+        off_n: N, the off threshold.
+
+    Returns:
+        (n,) bool.
+    """
+    begins = np.flatnonzero(contact[1:] & ~contact[:-1]) + 1
+    # The row after the last low one, or the last after a silence, up to each touchdown.
+    rises = silent_before(time)
+    rises[1:] |= ((force < off_n) | (force == 0.0))[:-1]
+    edges = np.flatnonzero(rises)
+    since = edges[np.searchsorted(edges, begins, side="right") - 1]
+    earliest = np.searchsorted(time, time[begins] - round(LONGEST_RISE_S * 1e9))
+    change = np.zeros(len(contact) + 1, np.int32)
+    np.add.at(change, np.minimum(np.maximum(since, earliest), begins), 1)
+    np.add.at(change, begins, -1)
+    return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
+
+
+def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
+    """Join stances of a foot that bounces between them.
+
+    Usual is what is as long as three quarters of all are, since a foot may bounce each time.
+
+    Args:
+        time: (n,) ns, strictly increasing.
+        starts: (k,) the first row of each stance in contact.
+        ends: (k,) the first row after it.
+
+    Returns:
+        the same of the stances that remain.
+    """
+    swings = (time[starts[1:]] - time[ends[:-1]]) / 1e9
+    if not len(swings):
+        return starts, ends
+    longest_s = min(BOUNCE * float(percentiles_of(swings, 75.0)), LONGEST_BOUNCE_S)
+    # Of a swing that begins with a silence it is not known that it is short.
+    apart = (swings >= longest_s) | silent_before(time)[ends[:-1]]
+    if (~apart).sum() < FEWEST_BOUNCES:
+        return starts, ends
+    return starts[np.append(True, apart)], ends[np.append(apart, True)]
+
+
+def find_stances(
+    time: Ints, contact: Flags, debounce_s: float, brief_s: float = 0.0
+) -> tuple[Ints, Ints, int, int]:
+    """Fill swings that are too short, then drop stances that are.
+
+    Args:
+        time: (n,) ns, strictly increasing.
+        contact: (n,) state of the Schmitt trigger.
+        debounce_s: s, below which swings and stances are too short.
+        brief_s: s, below which swings are, too.
+
+    Returns:
+        (k,) the first row of each stance in contact, (k,) the first row after it that is not, or
+        the last row where the log ends in the stance; how many swings were filled, how many
+        stances dropped.
+    """
+    silent, fill_ns = silent_before(time), round(max(debounce_s, brief_s) * 1e9)
+    begins, breaks = flagged_runs(contact).T
+    runs = len(begins)
+    # Of a swing that begins with a silence it is not known that it is short.
+    parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
+    starts = begins[np.append(True, parts)[:runs]]
+    ends = breaks[np.append(parts, True)[:runs]]
+    # Where the log ends in a stance, its last sample ends it.
+    last = np.minimum(ends, len(time) - 1)
+    # Swings that were filled do not count.
+    total = np.concatenate([[0], np.cumsum(np.diff(time) * contact[:-1])])
+    brief = (total[last] - total[starts] < round(debounce_s * 1e9)) & ~silent[starts]
+    # A short one at the log's end may be part of a longer one.
+    brief &= ends < len(time)
+    return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())
+
+
+def rows_in_stances(starts: Ints, ends: Ints, contact: Flags) -> Flags:
+    """(n,) whether rows are in stances; the last one is where the log ends in contact."""
+    down = timespans.covers(np.stack([starts, ends], axis=1), np.arange(len(contact)))
+    down[-1:] |= contact[-1:]
+    return down

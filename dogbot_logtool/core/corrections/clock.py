@@ -129,7 +129,6 @@ class StampCheck(NamedTuple):
     behind: int
     """Stamps lower than one before that is not bad."""
     steps: tuple[ClockStep, ...]
-    first_log_time: int | None
 
     @property
     def messages(self) -> int:
@@ -172,7 +171,6 @@ def check_stamps(topic: str, stamp: Ints, log_time: Ints) -> StampCheck:
         ahead=int(ahead.sum()),
         behind=int((good < np.maximum.accumulate(good)).sum()),
         steps=tuple(map(ClockStep, before.tolist(), after.tolist(), by.tolist())),
-        first_log_time=int(log_time[0]) if len(log_time) else None,
     )
 
 
@@ -246,28 +244,10 @@ def why_unusable(checks: Sequence[StampCheck]) -> str:
     for check in stamped:
         most = max(FEWEST, MOST_BAD_SHARE * check.messages)
         if not check.steps and check.bad > most:
-            kinds = ("are zero", check.zeros), ("go backwards", check.bad - check.zeros)
-            what = " or ".join(words for words, count in kinds if count)
-            counted = f"{check.bad} of {check.messages}"
-            return f"header stamps of {check.topic} {what} ({counted})"
-    return _why_set(stamped)
-
-
-def _why_set(checks: Sequence[StampCheck]) -> str:
-    """Say which topics' clocks were set, when and by how much; empty where none was."""
-    stepped = {check.topic: check.steps for check in checks if check.steps}
-    if not stepped:
-        return ""
-    start = min(check.first_log_time or 0 for check in checks)
-    first = min((step for steps in stepped.values() for step in steps), key=lambda s: s.after)
-    back = "back" if first.by_ns < 0 else "forward"
-    at, by = (first.after - start) / 1e9, abs(first.by_ns) / 1e9
-    everywhere = len(stepped) == len({check.topic for check in checks})
-    topics = "all topics" if everywhere else ", ".join(sorted(stepped))
-    times = max(len(steps) for steps in stepped.values())
-    more = "" if times == 1 else f", and {times - 1} more times"
-    text = f"the clock of {topics} was set {back} by {by:.2f} s at {at:.2f} s{more}"
-    return f"{text} (was the simulation reset?)" if everywhere and first.by_ns < 0 else text
+            bad = f"{check.bad} of {check.messages}"
+            return f"{bad} header stamps of {check.topic} are zero or go backwards"
+    clock_set = sorted({check.topic for check in stamped if check.steps})
+    return f"the clock of {', '.join(clock_set)} was set" if clock_set else ""
 
 
 WINDOW_NS: Final = 500_000_000
@@ -404,13 +384,9 @@ def why_clocks_cannot_be_joined(differences: Sequence[ClockDifference]) -> str:
     if not far:
         return ""
     worst = max(far, key=lambda each: each.most_s)
-    topics, way = (
-        ", ".join(each.topic for each in far),
-        "behind" if worst.behind_s > 0.0 else "ahead of",
-    )
-    text = f"header stamps of {topics} are {worst.most_s:.2f} s {way} those of the other topics"
-    mixed = worst.most_s > 1e6
-    return f"{text} (wall time and simulation time are mixed)" if mixed else text
+    topics = ", ".join(each.topic for each in far)
+    mixed = " (wall time and simulation time are mixed)" if worst.most_s > 1e6 else ""
+    return f"header stamps of {topics} are {worst.most_s:.2f} s off those of other topics{mixed}"
 
 
 def too_far_apart(clocks: Sequence[ClockDifference], period_s: float | None) -> frozenset[str]:

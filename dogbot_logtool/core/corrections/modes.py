@@ -74,11 +74,6 @@ class Modes(NamedTuple):
     reason: str = ""
     """Why they are not clear; empty: they are."""
 
-    @property
-    def is_clear(self) -> bool:
-        """Whether they may be swing and stance; the only swing of a log may be one."""
-        return self.reason in {"", ONCE}
-
 
 def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     """Find swing and stance in the forces along the load's axis, swing being the lower.

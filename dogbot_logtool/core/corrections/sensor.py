@@ -7,7 +7,7 @@ The level is that of the swings around each moment, so that it may drift, or be 
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -24,11 +24,9 @@ from dogbot_logtool.core.arrays import (
     norms,
     percentiles_of,
 )
-from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.modes import (
     MIDDLE_SHARE,
     NOISY,
-    ONCE,
     PLAIN_OFFSET,
     Modes,
     both_ways,
@@ -110,8 +108,6 @@ class SensorLevel:
     is the weight."""
     mean_recorded_n: float | None = None
     """N, the same with the offset left in."""
-    interval_s: float | None = None
-    """s, usual sampling interval."""
     swing_s: float | None = None
     """s, about how long the sensor is unloaded in a stride; None: not known."""
     zero_in_swing: bool = False
@@ -132,10 +128,6 @@ class SensorLevel:
     """Whether nothing is known although swings and stances are seen; zero cannot be assumed
     either."""
 
-    def without_offset(self, why: str) -> "SensorLevel":
-        """Return what is left of a level that cannot be right."""
-        return SensorLevel(interval_s=self.interval_s, reason=why, refuted=True)
-
     @property
     def offset_n(self) -> Floats:
         """(3,) N, the usual offset."""
@@ -150,6 +142,39 @@ class SensorLevel:
         return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
 
 
+ANY_FORCE_N: Final = 1e-9
+"""Threshold where no force was ever seen, so that nothing tells what a load is."""
+DEBOUNCE_S: Final = 0.020
+
+
+class ContactRule(NamedTuple):
+    """The thresholds of contact."""
+
+    on_n: float
+    """N: |F| from which a foot is in contact."""
+    off_n: float
+    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
+    debounce_s: float
+    """s: shorter swings are filled, then shorter stances dropped."""
+    brief_s: float = 0.0
+    """s: shorter swings are filled, too."""
+    origin: Origin = "default"
+    """The origin of the thresholds."""
+    by_flag: bool = False
+    """Whether the message's own contact flag decides, whatever the force."""
+    unusable: str = ""
+    """Why the sensor cannot tell contact; empty: it can."""
+
+
+class Thresholds(NamedTuple):
+    """The settings of contact by a user or the robot's file; None: not given."""
+
+    on_n: float | None = None
+    off_n: float | None = None
+    debounce_s: float | None = None
+    origin: Origin = "option"
+
+
 def estimate_level(
     log_time: Ints, force: Floats, plain_offset: float = PLAIN_OFFSET
 ) -> SensorLevel:
@@ -162,29 +187,33 @@ def estimate_level(
     """
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
-    if len(force) and (zero := zero_level(log_time, force)):
+    if len(force) and (zero := zero_level(force)):
         return zero
     if len(force) < FEWEST_SAMPLES:
-        return _unknown("too few samples", log_time, force)
+        return _unknown("too few samples", force)
     axis = load_axis(force)
     both = both_ways(without_spikes(force @ axis), run_numbers(log_time), plain_offset)
-    first, second = sorted(both, key=lambda modes: (modes.is_clear, modes.fit), reverse=True)
-    likely = _known_level(first, log_time, force, axis)
-    if likely.reason:
-        return likely
+    first, second = sorted(both, key=lambda modes: modes.fit, reverse=True)
+    if first.reason and second.reason:
+        return _unknown(first.reason, force)
     lead = first.fit - second.fit
-    if lead >= (CLEARER if second.is_clear else CLEAR):
-        return replace(likely, lead=lead)
-    if second.reason == ONCE:
-        return _known_level(second, log_time, force, axis)
-    return likely.without_offset(TURNED)
+    if first.reason or lead < (CLEAR if second.reason else CLEARER):
+        return refuted_level(TURNED)
+    level = level_of(first, log_time, force, axis)
+    if (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0):
+        return _unknown(NOISY, force)
+    return replace(level, lead=lead)
 
 
-def zero_level(log_time: Ints, force: Floats) -> SensorLevel | None:
+def refuted_level(why: str) -> SensorLevel:
+    """Return what is left of a level that cannot be right."""
+    return SensorLevel(reason=why, refuted=True)
+
+
+def zero_level(force: Floats) -> SensorLevel | None:
     """Return the level of a sensor that reads exactly zero in swing; None: it does not.
 
     Args:
-        log_time: (n,) ns.
         force: (n, 3) N, finite.
     """
     magnitude = norms(force)
@@ -198,7 +227,6 @@ def zero_level(log_time: Ints, force: Floats) -> SensorLevel | None:
         loaded_n=loaded,
         limit_n=_limit_n(force, np.zeros(3), loaded) if loaded else None,
         mean_n=float(magnitude.mean()),
-        interval_s=usual_interval_s(log_time),
         origin="estimated",
     )
 
@@ -245,28 +273,12 @@ def _in_runs(flags: Flags) -> Flags:
     return within
 
 
-def _known_level(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
-    """Return the level that modes stand for, or why it is not known; see `level_of`."""
-    reason, wobble_n = modes.reason, 0.0
-    if reason in {"", ONCE}:
-        level = level_of(modes, log_time, force, axis)
-        if reason == ONCE:
-            wobble_n = level.wobble_n
-        elif (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0):
-            reason = NOISY
-        else:
-            return level
-    unknown = _unknown(reason, log_time, force)
-    return replace(unknown, wobble_n=wobble_n)
-
-
-def _unknown(reason: str, log_time: Ints, force: Floats) -> SensorLevel:
+def _unknown(reason: str, force: Floats) -> SensorLevel:
     """Return the level of a sensor that does not show it; its noise shows between samples."""
-    level = SensorLevel(interval_s=usual_interval_s(log_time), reason=reason)
     if not len(force):
-        return level
+        return SensorLevel(reason=reason)
     usual = float(percentiles_of(norms(force), 75.0))
-    level = replace(level, loaded_n=usual, mean_n=usual)
+    level = SensorLevel(loaded_n=usual, mean_n=usual, reason=reason)
     if len(force) < FEWEST_SAMPLES:
         return level
     lightest = float(percentiles_of(without_spikes(norms(force)), 3.0))
@@ -306,7 +318,6 @@ def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> Senso
         noise_n=noise,
         wobble_n=float(wobble),
         drift_n_per_min=_drift(middle, levels @ towards),
-        interval_s=usual_interval_s(log_time),
         swing_s=float(swing_s),
         origin="estimated",
         loaded_n=loaded,

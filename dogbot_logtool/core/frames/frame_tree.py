@@ -1,7 +1,7 @@
 """The tree of a log's frames: figures of each pair, and where it is no tree."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from graphlib import CycleError, TopologicalSorter
 from itertools import accumulate
 from typing import Final, NamedTuple
@@ -93,14 +93,6 @@ class TreeRow(NamedTuple):
     """Frames below it are too deep to be shown."""
 
 
-def children_of(pairs: Iterable[Pair]) -> dict[str, list[str]]:
-    """Return the sorted children of every parent."""
-    children: dict[str, list[str]] = {}
-    for parent, child in sorted(set(pairs)):
-        children.setdefault(parent, []).append(child)
-    return children
-
-
 def roots(pairs: Iterable[Pair]) -> list[str]:
     """Return the frames that have children but no parent, sorted."""
     pairs = set(pairs)
@@ -113,27 +105,23 @@ def walk(pairs: Iterable[Pair]) -> Iterator[TreeRow]:
     A frame with several parents stands below each of them; what hangs below it is told once. A
     loop that hangs nowhere begins with its first frame in the order of the alphabet.
     """
-    children = children_of(pairs)
+    children: dict[str, list[str]] = {}
+    for parent, child in sorted(set(pairs)):
+        children.setdefault(parent, []).append(child)
     visited: set[str] = set()
-    for top in (*roots(pairs), *sorted(children)):
-        if top not in visited:
-            yield from _walk_down(top, children, visited)
 
-
-def _walk_down(top: str, children: Mapping[str, list[str]], visited: set[str]) -> Iterator[TreeRow]:
-    waiting: list[tuple[str, str, tuple[bool, ...]]] = [(top, "", ())]
-    while waiting:
-        frame, parent, more = waiting.pop()
+    def down(frame: str, parent: str | None, more: tuple[bool, ...]) -> Iterator[TreeRow]:
         again = frame in visited
         visited.add(frame)
         below = [] if again else children.get(frame, [])
         cut = bool(below) and len(more) >= DEEPEST
-        yield TreeRow(frame, parent if more else None, more, again, cut)
-        if not cut:
-            last = len(below) - 1
-            waiting += [(child, frame, (*more, index < last)) for index, child in enumerate(below)][
-                ::-1
-            ]
+        yield TreeRow(frame, parent, more, again, cut)
+        for child in below if not cut else ():
+            yield from down(child, frame, (*more, child != below[-1]))
+
+    for top in (*roots(pairs), *sorted(children)):
+        if top not in visited:
+            yield from down(top, None, ())
 
 
 def trees(pairs: Iterable[Pair]) -> list[list[str]]:

@@ -14,8 +14,7 @@ from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
-from dogbot_logtool.core.gait.strides import Strides, strides_of, walked_stances
-from dogbot_logtool.core.gait.support import Standing
+from dogbot_logtool.core.gait.strides import Standing, Strides, strides_of, walked_stances
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_ns
 from dogbot_logtool.core.metrics import Foot

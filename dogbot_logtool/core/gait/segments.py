@@ -26,8 +26,7 @@ from dogbot_logtool.core.gait.classes import (
     with_limb_phases,
 )
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.gait.strides import Strides
-from dogbot_logtool.core.gait.support import Standing, Support, support
+from dogbot_logtool.core.gait.strides import Standing, Strides, Support, support
 from dogbot_logtool.core.leg_position import legs_in_order, quadruped
 from dogbot_logtool.core.metrics import Gait, Phase, SupportSet
 from dogbot_logtool.core.records import Number, unknown

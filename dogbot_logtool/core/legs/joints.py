@@ -1,7 +1,8 @@
-"""Joints: their states as messages tell them, and what is measured of each over log and strides."""
+"""Legs and their joints: where they are told of, and what is measured of each joint."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -13,22 +14,26 @@ from dogbot_logtool.core.arrays import (
     Ints,
     median_of,
 )
-from dogbot_logtool.core.base.foot_path import LONGEST_STEP_S, FootPath, silent_before, unbroken
+from dogbot_logtool.core.base.foot_path import (
+    LONGEST_STEP_S,
+    Footfalls,
+    FootPath,
+    silent_before,
+    unbroken,
+)
 from dogbot_logtool.core.corrections.clock import (
     ClockDifference,
     TimeSource,
     advancing,
     check_stamps,
 )
+from dogbot_logtool.core.frames import kinematics
 from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
 from dogbot_logtool.core.recording import MOST_JOINTS, JointTable
 from dogbot_logtool.core.records import Shape
-
-if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.swings import LegSettings
 
 NEAR_LIMIT: Final = 0.02
 """Share of a joint's range: closer to an end than this is near a limit."""
@@ -51,6 +56,41 @@ class JointLimits(NamedTuple):
     """N m or N."""
     velocity: float = np.inf
     """rad/s or m/s."""
+
+
+class LegChain(NamedTuple):
+    """How a foot hangs on the base."""
+
+    frames: tuple[str, ...]
+    """From the foot's frame up to the child of the base, without leading slashes."""
+    base: str
+    point: tuple[float, float, float]
+    """m, of the foot, in its frame."""
+    touches: bool
+    """Whether the point is where the foot touches the ground, as contacts or the robot's file tell;
+    else it is the frame's origin, perhaps the middle of a ball."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LegSettings:
+    """Sources of a log's legs."""
+
+    chains: tuple[LegChain | None, ...]
+    """How each foot hangs on the base; None: not known."""
+    reasons: tuple[str, ...]
+    """Why a foot has no chain; empty where it has one."""
+    joints: tuple[kinematics.Joint, ...] = ()
+    """Of a robot description, which place the frames of all chains; empty: transforms do."""
+    joint_topics: tuple[str, ...] = ()
+    """Topics of joint states; the best first, whose states of a joint count."""
+    foot_of_joint: Mapping[str, int] = field(default_factory=dict)
+    """Index of the foot that a joint moves, by the joint's name."""
+    pairs: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """Joints that are alike, left and right, by a name for both."""
+    limits: Mapping[str, JointLimits] = field(default_factory=dict)
+    """Limits by the robot description, by the joint's name."""
+    lacking: tuple[str, ...] = ()
+    """Joints of legs that the robot description has and joint states leave out."""
 
 
 class JointTrack(NamedTuple):
@@ -107,35 +147,23 @@ def joint_tracks(
     """
     found: dict[str, JointTrack] = {}
     for table in tables:
-        samples = table.samples
-        used: dict[bytes, tuple[Ints, Ints]] = {}
-        """Rows and times by the messages that have states: those of most joints are the same."""
+        samples, time = table.samples, clock.of(table.samples)
+        usable = np.ones(len(time), np.bool_)
+        if clock is TimeSource.HEADER:
+            usable = check_stamps(table.topic, samples.stamp, samples.log_time).usable
         for column, name in enumerate(table.names):
-            recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
-            key = recorded.tobytes()
-            if key not in used:
-                used[key] = _usable(table, np.flatnonzero(recorded), clock)
-            rows, time = used[key]
+            known = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
+            rows = np.flatnonzero(usable & known)
+            rows = rows[advancing(time[rows])]
             if len(rows) and name not in found and len(found) < MOST_JOINTS:
                 position, velocity, effort = (
                     each[rows, column].astype(np.float64)
                     for each in (samples.position, samples.velocity, samples.effort)
                 )
                 limit = limits.get(name, JointLimits())
-                times = time, samples.log_time[rows]
+                times = time[rows], samples.log_time[rows]
                 found[name] = _track(name, times, position, velocity, effort, limit)
     return dict(sorted(found.items()))
-
-
-def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
-    """Return those of some messages whose time is later than all before, and these times, ns."""
-    log_time, stamp = table.samples.log_time[rows], table.samples.stamp[rows]
-    good = np.ones(len(rows), np.bool_)
-    if clock is TimeSource.HEADER:
-        good = check_stamps(table.topic, stamp, log_time).usable.copy()
-    time = clock.of(table.samples)[rows]
-    good[good] = advancing(time[good])
-    return rows[good], time[good]
 
 
 def _track(
@@ -243,8 +271,12 @@ class LegFoot(NamedTuple):
     """Why its swings are not known; empty where they are."""
     path: FootPath | None
     """Of the foot in the base's frame; None: not known."""
+    swings: Mapping[str, Floats]
+    """(strides,) each, by the name of the metric; empty: not known."""
     moves: bool = False
     """The reason is that the frame is not at rest in stances."""
+    stood: Footfalls | None = None
+    """Where it stands, by its frame; None: not known."""
     height: Shape = None
     """m above the line between the footfalls, over the stride."""
     is_slow: bool = False
@@ -254,7 +286,7 @@ class LegFoot(NamedTuple):
 class LegFigures(NamedTuple):
     """What is known of all legs, whether or not the log gives reasons to doubt it."""
 
-    settings: "LegSettings"
+    settings: LegSettings
     feet: tuple[LegFoot, ...]
     joints: Mapping[str, JointTrack]
     """Each joint, by its name."""

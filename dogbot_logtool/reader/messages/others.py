@@ -5,20 +5,13 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    Floats,
-    concatenated,
-    header_time,
-    picked,
-    rows_by_group,
-)
+from dogbot_logtool.core.arrays import Floats, concatenated, header_time, picked, rows_by_group
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
-from dogbot_logtool.core.prepared import plausible_translations
-from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples
+from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.messages.message_type import Part
-from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, malformed_in
-from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
+from dogbot_logtool.reader.messages.source import Source, decoded_by, source_of
 from dogbot_logtool.reader.messages.table import TABLE, types_of
 
 JOINT_TYPES: Final = tuple(
@@ -36,14 +29,8 @@ _MOST_CELLS: Final = 1 << 22
 def _decoded(
     batch: Batch, channels: Sequence[Channel], part: Part
 ) -> Iterator[tuple[Source, DecodedMessages]]:
-    """Yield the messages of channels and how they are read, one entry a definition."""
-    groups: dict[Source, list[Channel]] = {}
-    for channel in channels:
-        source = source_of(channel, part)
-        if source is not None and not source.fault:
-            groups.setdefault(source, []).append(channel)
-    for source, own in groups.items():
-        yield from ((source, each) for each in decode_channels(batch, own, source.columns))
+    """Yield the messages of channels and how a part of them is read, one entry a definition."""
+    return decoded_by(batch, ((channel, source_of(channel, part)) for channel in channels))
 
 
 # Joints
@@ -162,14 +149,15 @@ def _transforms(
     table, paths = messages.table, source.paths
     (message, parents), (_, children) = (path.texts(table) for path in paths["choose"])
     (parent, parent_names), (child, child_names) = parents.encode(), children.encode()
-    whole = Transforms(
+    recorded = Transforms(
         channel=messages.channel[message],
         static=np.full(len(message), static),
         log_time=messages.log_time[message],
         stamp=paths["stamp"][0].times(table),
-        translation=plausible_translations(paths["position"][0].all_values(table)),
+        translation=paths["position"][0].all_values(table),
         rotation=paths["orientation"][0].all_values(table),
     )
+    whole, _ = plausible(recorded)
     frames = [name.lstrip("/") for name in (*parent_names, *child_names)]
     # Names that differ in leading slashes only are those of one frame.
     number = {name: row for row, name in enumerate(dict.fromkeys(frames))}

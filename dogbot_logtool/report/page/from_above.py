@@ -138,7 +138,7 @@ def _caption(prints: Sequence[tuple[Ints, Floats]]) -> str:
         "hollow for hind feet."
     )
     count = sum(len(time) for time, _ in prints)
-    shown = sum(min(len(time), MOST_FOOTPRINTS) for time, _ in prints)
-    if shown < count:
-        words += f" {shown} of {count} footfalls are drawn, evenly spaced."
+    drawn = sum(min(len(time), MOST_FOOTPRINTS) for time, _ in prints)
+    if drawn < count:
+        words += f" {drawn} of {count} footfalls are drawn, evenly spaced."
     return words

@@ -48,8 +48,8 @@ def force_over_cycle(walk: Walk) -> Drawing | None:
     rows = [_row(walk, name, "N", each) for name, each in curves.items() if each]
     if not rows:
         return None
-    shown = curves["vertical"] or curves["forward"]
-    highest = ", ".join(f"{foot} {max(curve.median):.0f} N" for foot, curve in shown.items())
+    known = curves["vertical"] or curves["forward"]
+    highest = ", ".join(f"{foot} {max(curve.median):.0f} N" for foot, curve in known.items())
     alt = f"The usual force of each foot over its stride. Highest median: {highest}."
     drawn = grid(rows, _AXIS, _FORCE_PIXELS, list(_columns(walk)))
     return Drawing("cycle", "Force over the gait cycle", alt, _FORCES, *drawn)

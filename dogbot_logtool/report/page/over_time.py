@@ -119,8 +119,8 @@ def _motion_rows(walk: Walk) -> Iterator[Row]:
 
     if walk.instants is not None:
         points = walk.instants.time, walk.instants.margin * 1e3
-        shown = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm", _FIRST)
-        yield from _row("margin (mm)", [shown], 20.0)
+        margin = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm", _FIRST)
+        yield from _row("margin (mm)", [margin], 20.0)
     yield from _row("speed (m/s)", [curve("speed forward", _speed(walk), "%{y:.3f} m/s")], 0.1)
     if feet and not walk.base_clock_is_apart:
         height = height_over_feet(base, feet)
@@ -182,7 +182,7 @@ def tracked_commands(walk: Walk) -> Drawing | None:
     return Drawing("commands", "Commands", alt, caption, *drawn, over_time=True)
 
 
-MOST_SHOWN: Final = 200
+MOST_LISTED: Final = 200
 """Events in the list, and marks in each figure."""
 _LABELLED: Final = 12
 """Most bands that are named in the gait diagram."""
@@ -197,12 +197,12 @@ def mark_events(events: Sequence[Event], drawings: Iterable[Drawing], feet: Sequ
     A fall is darkest; what only the recording does is grey. Events of one foot stand in its row;
     in figures without rows they have no more than an outline.
     """
-    shown = events[:MOST_SHOWN]
+    marked = events[:MOST_LISTED]
     for drawing in drawings:
         if drawing.over_time:
-            drawing.layout["shapes"] = [_mark(each, drawing, feet) for each in shown]
+            drawing.layout["shapes"] = [_mark(each, drawing, feet) for each in marked]
         if drawing.name == "gait":
-            drawing.layout["annotations"] = _names(shown)
+            drawing.layout["annotations"] = _names(marked)
 
 
 def _mark(event: Event, drawing: Drawing, feet: Sequence[str]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from dogbot_logtool.report.page.from_above import walk_from_above
 from dogbot_logtool.report.page.over_cycle import force_over_cycle, legs_over_cycle
 from dogbot_logtool.report.page.over_time import (
     MINOR,
-    MOST_SHOWN,
+    MOST_LISTED,
     mark_events,
     motion,
     tracked_commands,
@@ -97,8 +97,8 @@ def page(
         feet=_feet(walk),
         summary=_summary(measured),
         findings=grouped([each for each in measured.findings if each.code != "LOST"]),
-        events=events[:MOST_SHOWN],
-        more_events=len(events[MOST_SHOWN:]),
+        events=events[:MOST_LISTED],
+        more_events=len(events[MOST_LISTED:]),
         minor=MINOR,
         damage=damage.text,
         losses=damage.losses,

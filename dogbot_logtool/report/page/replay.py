@@ -15,7 +15,7 @@ from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.feet import foot_colour, short_names
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import FINE, is_hind, packed, seconds, thinned
-from dogbot_logtool.report.page.over_time import MINOR, MOST_SHOWN
+from dogbot_logtool.report.page.over_time import MINOR, MOST_LISTED
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.robot.robot_model.drawing import Limbs
 
@@ -44,16 +44,16 @@ def frame_times(walk: Walk, events: Sequence[Event]) -> Ints:
     if _frame_counts(recorded, origin).sum() <= MOST_FRAMES:
         return _frames(recorded, origin, MOST_FRAMES)
     spans = [default_window(walk)]
-    spans += [(each.onset_s, each.onset_s + each.duration_s) for each in events[:MOST_SHOWN]
+    spans += [(each.onset_s, each.onset_s + each.duration_s) for each in events[:MOST_LISTED]
               if each.type not in MINOR]  # fmt: skip
-    shown = [_frames(recorded, origin, MOST_FRAMES // 4)]
+    parts = [_frames(recorded, origin, MOST_FRAMES // 4)]
     for start, end in spans:
         beside = round(start * 1e9) - BESIDE_NS, round(end * 1e9) + BESIDE_NS + 1
         near = timespans.intersect([recorded, np.array([beside], np.int64) + origin])
-        if sum(map(len, shown)) + _frame_counts(near, origin).sum() > MOST_FRAMES:
+        if sum(map(len, parts)) + _frame_counts(near, origin).sum() > MOST_FRAMES:
             break
-        shown.append(_frames(near, origin, MOST_FRAMES))
-    return distinct(np.concatenate(shown))
+        parts.append(_frames(near, origin, MOST_FRAMES))
+    return distinct(np.concatenate(parts))
 
 
 def _recorded(walk: Walk) -> Ints:
@@ -141,7 +141,7 @@ def replay(
                 "what": f"{each.type.replace('_', ' ')} {each.foot or ''}".strip(),
                 "minor": each.type in MINOR,
             }
-            for each in events[:MOST_SHOWN]
+            for each in events[:MOST_LISTED]
         ],
     }
 

@@ -188,7 +188,7 @@ def _joint_words(legs: Legs) -> str:
         known = "?" if positive is None else f"{positive.median:.2f} J"
         words += f" Work of all joints in a stride: {done.median:.2f} J, {known} of it positive."
     if cost is not None:
-        words += f" Mechanical cost of transport: {cost:.3f}  (|work| / weight x way)."
+        words += f" Mechanical cost of transport: {cost:.3f} (|work| / (weight x distance))."
     return words
 
 
@@ -219,11 +219,11 @@ def _stride_table(walk: Walk) -> Table:
     ]
     order = np.lexsort([feet, every.start_s]).tolist()
     marked = [row for row in order if any(cell.mark for cell in rows[row])]
-    shown = order if len(order) <= MOST_STRIDES else marked[:MOST_STRIDES]
+    listed = order if len(order) <= MOST_STRIDES else marked[:MOST_STRIDES]
     return Table(
         ("foot", "from s", *(column.heading for column in _STRIDES)),
-        [(int(feet[row]), rows[row]) for row in shown],
-        _stride_words(len(order), len(marked), len(shown)),
+        [(int(feet[row]), rows[row]) for row in listed],
+        _stride_words(len(order), len(marked), len(listed)),
     )
 
 
@@ -246,12 +246,12 @@ def _stride_cells(column: Column[Stride], every: Stride, groups: Ints) -> list[C
     return cells
 
 
-def _stride_words(every: int, marked: int, shown: int) -> str:
+def _stride_words(every: int, marked: int, listed: int) -> str:
     if not every:
         return "No foot makes a whole stride."
     words = f"{every} whole strides, {marked} with an outlier"
-    if shown < every:
-        of = "these" if shown == marked else f"the first {shown} of these"
+    if listed < every:
+        of = "these" if listed == marked else f"the first {listed} of these"
         words += f"; {of} are listed, export has them all"
     return (
         f"{words}. Marked (▲ high, ▼ low): modified z-score above {MOST_DEVIATIONS} (Iglewicz and "

@@ -44,15 +44,14 @@ from dogbot_logtool.report.verdict import (
 )
 from dogbot_logtool.results import Measurement
 
-_SHOWN_WARNINGS: Final = 5
-_SHOWN_SEGMENTS: Final = 6
-_SHOWN_UNCHECKED: Final = 2
+_MOST_WARNINGS: Final = 5
+_MOST_SEGMENTS: Final = 6
+_MOST_UNCHECKED: Final = 2
 _WIDE: Final = 100
 """Columns of a console from which those of tables stand two apart."""
 _SUBJECT: Final = 15
 """Columns of a subject's name and the blanks behind it."""
 _COLOURS: Final = {"OK": "bold green", "USABLE": "bold yellow"}
-_AXES: Final = ("m/s forward", "m/s to the left", "rad/s")
 _ESTIMATED: Final = "All of this table is estimated from the joints; see docs/validation.md."
 _COLUMNS: Final[Sequence[Sequence[Column[FootRow]]]] = (
     (Column("contact\n%", lambda row: row.foot.contact_fraction, ".1f", 100.0),),
@@ -84,8 +83,8 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
     """
     metrics, quality = measured.metrics, quality_of(measured)
     part = main_part(metrics)
-    shown = metrics if part is None else during(metrics, part)
-    _print(console, _source(metrics), Text(), *_gait(console, metrics, shown, part))
+    main = metrics if part is None else during(metrics, part)
+    _print(console, _source(metrics), Text(), *_gait(console, metrics, main, part))
     colour = _COLOURS.get(quality.word, "bold red")
     _print(console, HangingIndent(Text(quality.line, style=colour), 2))
     print_damage(console, measured.damage)
@@ -98,20 +97,15 @@ def print_report(console: Console, measured: Measurement, *, verbose: bool = Fal
     if part is not None:
         when = f"{part.start_s:.1f} to {part.end_s:.1f} s"
         _print(console, Text(f"Longest segment: {when}, {gait_name(part.gait)}", style="bold"))
-    if any(foot.contact_fraction is not None for foot in shown.feet.values()):
+    if any(foot.contact_fraction is not None for foot in main.feet.values()):
         estimated = metrics.settings.contact_from in {"joint_torques", "kinematics"}
         note = [Text(_ESTIMATED, style="dim")] if estimated else []
-        _print(console, _feet(console, shown), *note, Text())
-    subjects = {name: line(shown) for name, line in SUBJECTS.items()}
-    for name, words in (subjects | {"Not measured": _not_measured(shown)}).items():
+        _print(console, _feet(console, main), *note, Text())
+    subjects = {name: line(main) for name, line in SUBJECTS.items()}
+    for name, words in (subjects | {"Not measured": _not_measured(main)}).items():
         if words:
             subject = f"{name:<{_SUBJECT}}", "bold"
             _print(console, HangingIndent(Text.assemble(subject, printable(words)), _SUBJECT))
-    track = measured.walk.command_track
-    for name, drift in track.drifts.items() if verbose and track else ():
-        parts = zip(drift.tolist(), _AXES, strict=True)
-        words = ", ".join(f"{value:+z.3f} {unit}" for value, unit in parts)
-        _print(console, Text(f"{'Drift':<{_SUBJECT}}{name}: {words}"))
     _print_notes(console, measured, verbose=verbose)
 
 
@@ -136,21 +130,21 @@ def _source(metrics: WalkMetrics) -> HangingIndent:
 
 
 def _gait(
-    console: Console, metrics: WalkMetrics, shown: WalkMetrics, part: Segment | None
+    console: Console, metrics: WalkMetrics, main: WalkMetrics, part: Segment | None
 ) -> Iterator[RenderableType]:
     """Yield the fall, the gait and how fast it is."""
     if fall := fall_headline(metrics):
         yield Text(fall, style="bold red")
     segments = metrics.gait.segments
     if len(segments) > 1:
-        names = ", ".join(gait_name(each.gait) for each in segments[:_SHOWN_SEGMENTS])
-        more = " ..." if len(segments) > _SHOWN_SEGMENTS else ""
+        names = ", ".join(gait_name(each.gait) for each in segments[:_MOST_SEGMENTS])
+        more = " ..." if len(segments) > _MOST_SEGMENTS else ""
         line = f"Gait: {names}{more}{contact_source(metrics)}"
         yield HangingIndent(Text(line, style="bold"), 2)
         yield _segments(console, segments)
         return
     yield HangingIndent(Text(printable(gait_headline(metrics)), style="bold"), 2)
-    gait, speed = shown.gait, shown.base.forward_speed_mps
+    gait, speed = main.gait, main.base.forward_speed_mps
     flight, both = gait.flight_fraction or 0.0, gait.double_support_fraction
     parts = (
         "" if speed is None else f"{speed:z.3f} m/s forward",
@@ -178,10 +172,10 @@ def _segments(console: Console, segments: Sequence[Segment]) -> NameTable:
                 str(each.gait.strides or NOTHING),
             ],
         )
-        for each in segments[:_SHOWN_SEGMENTS]
+        for each in segments[:_MOST_SEGMENTS]
     ]
-    if len(segments) > _SHOWN_SEGMENTS:
-        rows.append(Row([f"... {len(segments) - _SHOWN_SEGMENTS} more"], [""] * 6))
+    if len(segments) > _MOST_SEGMENTS:
+        rows.append(Row([f"... {len(segments) - _MOST_SEGMENTS} more"], [""] * 6))
     return _table(console, headings, rows, left=(1, 2), margin=2)
 
 
@@ -195,14 +189,14 @@ def _table(
 def _print_warnings(console: Console, quality: Quality, *, verbose: bool) -> None:
     """Print each warning, what it voids and what to do about it; the worst first."""
     if verbose or quality.word == "OK":
-        for check in quality.unchecked[: None if verbose else _SHOWN_UNCHECKED]:
+        for check in quality.unchecked[: None if verbose else _MOST_UNCHECKED]:
             print_sentence(console, ("  not checked  ", "dim"), printable(check), indent=15)
     groups = quality.warnings
-    for first, *others in groups[: None if verbose else _SHOWN_WARNINGS]:
+    for first, *others in groups[: None if verbose else _MOST_WARNINGS]:
         more = f" (and {len(others)} more)" if others and not verbose else ""
         for each in [first, *others] if verbose else [first]:
             _print_finding(console, each, more)
-    if (hidden := len(groups) - _SHOWN_WARNINGS) > 0 and not verbose:
+    if (hidden := len(groups) - _MOST_WARNINGS) > 0 and not verbose:
         _print(console, Text(f"  - {counted(hidden, 'more warning')} (-v)"))
 
 
@@ -241,9 +235,9 @@ def _not_measured(metrics: WalkMetrics) -> str:
     """Name the columns that the table of feet lacks, with the cause."""
     sources, absent = foot_rows(metrics), dict[str, list[str]]()
     for first, *others in _COLUMNS if sources else ():
-        shown = _measured([first, *others], sources.values())
+        column = _measured([first, *others], sources.values())
         name = first.heading.split("\n")[0]
-        if shown is None or not shown.heading.startswith(name):
+        if column is None or not column.heading.startswith(name):
             why = why_null(metrics, _path_of(first, next(iter(sources))))
             absent.setdefault(why, []).append(name)
     return "; ".join(f"{', '.join(names)} ({cause})" for cause, names in absent.items())

@@ -14,11 +14,11 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, concatenated, nearest_rows, norms, percentiles_of
-from dogbot_logtool.core.contact.contact_rule import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
+from dogbot_logtool.core.corrections.sensor import SensorLevel, Thresholds, estimate_level
 from dogbot_logtool.core.recording import Recording, has_own_stamps
+from dogbot_logtool.core.sensors import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.foot import Foot
@@ -75,9 +75,9 @@ def decide_contacts(
             each = replace(each, in_contact=np.asarray((each.force != 0.0).any(axis=1)))
         decided[row] = without_contact(each, ~each.in_contact)
     if raw:
-        selection, offsets = _with_levels(feet, selection, raw)
+        selection, thresholds = _with_levels(feet, selection, raw)
         for row in raw:
-            decided[row] = _counted(feet[row], offsets[row], selection.robot.contact_on_counts)
+            decided[row] = _counted(feet[row], *thresholds[row])
     return tuple(decided), selection
 
 
@@ -111,37 +111,37 @@ def _compare_flags(
 
 def _with_levels(
     feet: Sequence[Samples], selection: Selection, raw: Sequence[int]
-) -> tuple[Selection, Mapping[int, float]]:
+) -> tuple[Selection, Mapping[int, tuple[float, float | None]]]:
     """Find what raw sensors read without load, and the threshold of contact, where none is given.
 
-    All feet must have two clear modes: a threshold that fits some says nothing of the others.
+    All feet must have two clear modes: a gait of some says nothing of the others.
 
     Returns:
-        the selection, and the counts to take off each raw foot's.
+        the selection; and by raw foot the counts to take off, and from which on it touches then.
     """
-    robot, offsets = selection.robot, dict.fromkeys(raw, 0.0)
-    scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
-    levels = {}
-    if robot.contact_on_counts is None and not scaled:
+    robot = selection.robot
+    thresholds = dict.fromkeys(raw, (0.0, robot.contact_on_counts))
+    say, told = "unknown", ""
+    if robot.contact_on_counts is None and all(f.newtons_per_count is None for f in robot.feet):
         levels = {row: _contact_level(feet[row]) for row in raw}
-    wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
-    reason = f" (it cannot be estimated from the log; {wrong[0]})" if wrong else ""
-    estimated = bool(levels) and not wrong
-    if estimated:
-        offsets |= {row: offset for row, (offset, _, _) in levels.items()}
-        shifted = (
-            replace(foot, offset=foot.offset + offsets.get(row, 0.0))
-            for row, foot in enumerate(robot.feet)
-        )
-        on_counts = max(on for _, on, _ in levels.values())
-        robot = replace(robot, feet=tuple(shifted), contact_on_counts=on_counts)
+        wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
+        if wrong:
+            told = f" (it cannot be estimated from the log; {wrong[0]})"
+        else:
+            # The sensors of two feet may count differently.
+            thresholds = {row: (offset, on) for row, (offset, on, _) in levels.items()}
+            say, told = "estimated", listed([f"{on:.3g}" for _, on, _ in levels.values()])
+            shifted = (
+                replace(foot, offset=foot.offset + thresholds.get(row, (0.0, None))[0])
+                for row, foot in enumerate(robot.feet)
+            )
+            robot = replace(robot, feet=tuple(shifted))
     findings = [each for each in selection.findings if "counts" not in each.cases]
     own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
     unscaled = [robot.feet[row] for row in raw]
-    say = "estimated" if estimated else "unknown"
     types = dict.fromkeys(channel.type_name for channel in own)
-    findings += (not_calibrated(robot, unscaled, name, say, reason) for name in types)
-    return selection._replace(robot=robot, findings=tuple(findings)), offsets
+    findings += (not_calibrated(robot, unscaled, name, say, told) for name in types)
+    return selection._replace(robot=robot, findings=tuple(findings)), thresholds
 
 
 def _contact_level(samples: Samples) -> tuple[float, float, str]:
@@ -151,7 +151,11 @@ def _contact_level(samples: Samples) -> tuple[float, float, str]:
         both, and why these say nothing; empty: they do.
     """
     level = _level(samples)
-    rule, offset, loaded = contact_rule(level, None), float(level.offset_n[2]), level.loaded_n
+    rule, offset, loaded = (
+        contact_rule(level, None, Thresholds(), None),
+        float(level.offset_n[2]),
+        level.loaded_n,
+    )
     down = float((samples.force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
     why = level.reason
     if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):

@@ -7,7 +7,7 @@ from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames, Point
-from dogbot_logtool.core.legs.swings import LegChain, LegSettings
+from dogbot_logtool.core.legs.joints import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot

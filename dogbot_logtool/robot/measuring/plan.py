@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from dogbot_logtool.core.analysis import FindLegs
 from dogbot_logtool.core.base.poses import scaled
-from dogbot_logtool.core.contact.contact_rule import Thresholds
-from dogbot_logtool.core.corrected import Corrected
+from dogbot_logtool.core.corrected import Corrected, on_one_clock, poses_of_base
 from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.sensor import Thresholds
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
-from dogbot_logtool.core.prepared import on_one_clock, poses_of_base
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError
@@ -26,11 +25,11 @@ from dogbot_logtool.robot.selection import Selection, select_topics
 from dogbot_logtool.robot.topics import joint_channels, side_topics
 
 if TYPE_CHECKING:
-    from dogbot_logtool.core.legs.swings import LegSettings
+    from dogbot_logtool.core.legs.joints import LegSettings
     from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 
 _OF_ROBOT: Final = (
-    *("mass_kg", "forward_axis", "com_offset_m", "foot_rolling_m", "contact_on_counts"),
+    *("mass_kg", "forward_axis", "com_offset_m", "foot_rolling_m"),
     *("world_frame", "base_frame"),
 )
 """Settings that are those of the robot's file."""

@@ -128,7 +128,7 @@ def robot_description(
     urdf = None if options.urdf is None else read_urdf(options.urdf)
     frames = walk.frames
     shape, bones = robot_shape(walk), skeleton(selection, frames, {})
-    joints = _moved_joints(model, walk) if model else ()
+    joints = _moved_joints(model, walk) if model and options.tf != "never" else ()
     hips = None
     if shape.hips and not (bones.legs or joints):
         feet, nowhere = range(len(selection.robot.feet)), (np.nan,) * 3

@@ -69,10 +69,8 @@ def _own_class(name: str) -> type[Message]:
         label=FieldDescriptor.LABEL_OPTIONAL,
     )
     for field, kind, number in sorted(OWN_FIELDS[name], key=lambda each: each[2]):
-        element = kind.removesuffix("[]")
-        label = FieldDescriptor.LABEL_OPTIONAL
-        if element != kind:
-            label = FieldDescriptor.LABEL_REPEATED
+        element, many = kind.removesuffix("[]"), kind.endswith("[]")
+        label = FieldDescriptor.LABEL_REPEATED if many else FieldDescriptor.LABEL_OPTIONAL
         added = message.field.add(name=field, number=number, type=_TYPES[element], label=label)
         if kind == "bool":
             added.proto3_optional, added.oneof_index = True, len(message.oneof_decl)

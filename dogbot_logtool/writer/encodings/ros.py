@@ -6,17 +6,7 @@ import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from dogbot_logtool.writer.described import (
-    GAIT,
-    LOAD,
-    LOG,
-    MARKER,
-    MARKERS,
-    OWN_FIELDS,
-    STRING,
-    TF,
-    Described,
-)
+from dogbot_logtool.writer.described import LOG, OWN_FIELDS, ROS_TYPES, STRING, TF, Described
 from dogbot_logtool.writer.encodings.encoding import Encoding, MessageType
 from dogbot_logtool.writer.template import TEXT, Literal, Of
 
@@ -40,8 +30,7 @@ class Ros2Encoding(Encoding):
         for name, fields in OWN_FIELDS.items():
             lines = [f"{self._time} stamp", *(f"{kind} {field}" for field, kind, _ in fields)]
             self._store.register(get_types_from_msg("\n".join(lines), name))
-        names = TF, MARKER, MARKERS, LOAD, LOG, GAIT, STRING
-        self.types = {name: self._message_type(self._own_name(name)) for name in names}
+        self.types = {name: self._message_type(self._own_name(name)) for name in ROS_TYPES}
 
     def _own_name(self, name: str) -> str:
         return name

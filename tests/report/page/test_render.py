@@ -1,5 +1,7 @@
 """The page as bytes: what it holds, and that nothing of a log gets out of its place."""
 
+import base64
+import json
 import re
 from dataclasses import replace
 from functools import cache
@@ -10,23 +12,27 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.stats import measure
+from dogbot_logtool.commands.report import replay_of
+from dogbot_logtool.commands.stats import measure, measure_log
 from dogbot_logtool.core.walk import Walk as MeasuredWalk
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import Beside, page
+from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.report.page.tables import outliers
 from dogbot_logtool.report.text.gait_diagram import default_window
+from dogbot_logtool.robot.recorded import open_recorded
 from tests.measured import LogFacts, measured, measurement_of
+from tests.oracles import walks
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, TROUBLED
-from tests.report.page.page_data import drawings, numbers, trace
-from tests.truth import gaits
+from tests.truth import gaits, physics
 from tests.truth.foot_faults import as_flags
+from tests.truth.free_walker import trot
 from tests.truth.log_file import write_log
+from tests.truth.physics import KEPT_S
 from tests.truth.recording import FootRecording, Recording
 from tests.truth.robots import biped
 from tests.truth.walking import Walk
@@ -43,6 +49,31 @@ def trot_page() -> bytes:
 def page_of(walk: MeasuredWalk, size: int = 0, **facts: Any) -> str:
     """The page of a walk that a test made up or changed."""
     return page(measurement_of(walk, LogFacts(**facts)), size).decode()
+
+
+def drawings(html: bytes) -> dict[str, Any]:
+    """Return the figures by name."""
+    (text,) = re.findall(
+        r'<script type="application/json" id="drawings">(.*?)</script>', html.decode(), re.DOTALL
+    )
+    return {each["name"]: each for each in json.loads(text)}
+
+
+def numbers(column: Any) -> Any:
+    """Return a column as an array: Plotly packs arrays in base64."""
+    if isinstance(column, dict):
+        packed = np.frombuffer(base64.b64decode(column["bdata"]), np.dtype(column["dtype"]))
+        if "step" not in column:
+            return packed
+        known = np.where(packed == -32768, np.nan, packed)
+        return (known + 32767.0) * column["step"] + column["lowest"]
+    return np.array(column, np.float64)
+
+
+def trace(drawing: Any, name: str) -> Any:
+    """Return the one trace of a figure with a name."""
+    (found,) = [each for each in drawing["data"] if each.get("name") == name]
+    return found
 
 
 class Tags(HTMLParser):
@@ -244,15 +275,92 @@ def test_strides_far_from_the_others_are_marked(values: list[float], marks: dict
     assert {row: mark for row, mark in enumerate(found.tolist()) if mark} == marks
 
 
-def test_the_index_has_a_row_a_log_and_says_why_one_is_missing() -> None:
-    rows = [
-        index_row(measured(TROT), "a b#?.report.html"),
-        IndexRow(HOSTILE, error=f"{HOSTILE} is no log"),
-    ]
-    html = index(rows)
-    tags = Tags(html)
-    assert tags.loads == ["href=a%20b%23%3F.report.html"]
-    assert tags.seen.count("rect") > 4 * 3
-    assert "img" not in tags.seen
-    assert b"Gait: trot (high confidence" in html
-    assert b"is no log" in html
+# --- The replay -----------------------------------------------------------------------------------
+
+
+@cache
+def replayed(path: Path) -> dict[str, Any]:
+    log = open_recorded(path)
+    try:
+        drawn = replay_of(measure_log(log, MeasureOptions()))
+    finally:
+        log.close()
+    assert drawn is not None
+    return drawn
+
+
+def points(column: Any) -> Any:
+    return numbers(column).reshape(-1, 3)
+
+
+def test_the_robot_is_where_the_log_says() -> None:
+    shown, history = replayed(TROT), measured(TROT).walk.base_history
+    time = numbers(shown["time"])
+    assert np.diff(time) == pytest.approx(0.04, abs=1e-4)
+    since = (history.time - measured(TROT).walk.origin) / 1e9
+    assert abs(history.position[0, :2]).max() < 0.5
+    for axis, column in enumerate(points(shown["position"]).T):
+        wanted = np.interp(time, since, history.position[:, axis])
+        assert column == pytest.approx(wanted, abs=1e-3)
+
+
+def test_a_foot_stands_still_while_it_is_down_and_frames_lead_to_it() -> None:
+    """The joints come from transforms, the standing feet from contact points: both must agree."""
+    shown = replayed(TROT)
+    angles, position = points(shown["angles"]), points(shown["position"])
+    limbs = shown["limbs"]
+    joints = numbers(limbs["point"]).reshape(len(position), -1, 3)
+    tips = [joint for joint in range(joints.shape[1]) if joint not in limbs["parents"]]
+    for foot in shown["feet"]:
+        down, place = numbers(foot["state"]) == 1, points(foot["point"])
+        moved = np.linalg.norm(np.diff(place, axis=0), axis=1)
+        assert moved[down[1:] & down[:-1]].max() < 2e-3
+        turned = [_world(joints[:, tip], position, angles) for tip in tips]
+        away = [np.median(np.linalg.norm(each - place, axis=1)[down]) for each in turned]
+        assert min(away) < 3e-3
+
+
+def _world(point: Any, position: Any, angles: Any) -> Any:
+    """Turn points by yaw, pitch and roll, one elementary rotation after the other."""
+    placed = []
+    for row, (roll, pitch, yaw) in zip(point, angles, strict=True):
+        c, s = np.cos, np.sin
+        about_x = np.array([[1, 0, 0], [0, c(roll), -s(roll)], [0, s(roll), c(roll)]])
+        about_y = np.array([[c(pitch), 0, s(pitch)], [0, 1, 0], [-s(pitch), 0, c(pitch)]])
+        about_z = np.array([[c(yaw), -s(yaw), 0], [s(yaw), c(yaw), 0], [0, 0, 1]])
+        placed.append(about_z @ about_y @ about_x @ row)
+    return position + np.array(placed)
+
+
+def test_joint_states_bend_the_legs_as_the_engine_does(tmp_path: Path) -> None:
+    """A log without transforms, but with a robot description."""
+    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False)
+    found = replayed(log)
+    limbs, row = found["limbs"], 10
+    joints = numbers(limbs["point"]).reshape(-1, len(limbs["parents"]), 3)[row]
+    step = round(numbers(found["time"])[row] / KEPT_S)
+    for calf in trot().calf[step, :, :3]:
+        assert np.linalg.norm(joints - calf, axis=1).min() < 1e-3
+
+
+def test_without_contact_points_feet_are_below_the_base(tmp_path: Path) -> None:
+    log = walks.write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "mcap")
+    shown = replayed(log)
+    assert shown["limbs"] is None
+    assert shown["schematic"]
+    assert b"does not tell where the feet are" in page(measured(log), 0, replay=shown)
+    odd = replay(measured(TROT).walk, (), frame_times(measured(TROT).walk, ()), None)
+    assert odd is not None
+    assert (odd["limbs"], odd["schematic"]) == (None, False)
+
+
+def test_a_long_log_is_thinned() -> None:
+    stats = measured(TROT).walk
+    until = stats.poses.time.copy()
+    until[-1] = stats.origin + 86_400_000_000_000
+    day = replace(stats, poses=replace(stats.poses, time=until))
+    time = frame_times(day, ())
+    assert len(time) <= MOST_FRAMES
+    assert (np.diff(time) > 0).all()
+    near = (time > stats.origin + 3_000_000_000) & (time < stats.origin + 6_000_000_000)
+    assert np.diff(time[near]).max() <= 40_000_000

@@ -1,4 +1,4 @@
-"""How the base follows its velocity commands: error and drift.
+"""How the base follows its velocity commands, and feet their plan.
 
 All velocities are means over one stride: a robot's gait swings about its speed once or twice a
 stride, which is no error. Commands are averaged alike, so that this delays nothing. A command holds
@@ -10,10 +10,12 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints
+from dogbot_logtool.core.arrays import Floats, Integral, Ints, aggregate, median_of, nearest_rows
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.gait.feet import FootSteps
+from dogbot_logtool.core.metrics import Planned
 from dogbot_logtool.core.rotations import along_heading
-from dogbot_logtool.core.vectors import AXES, TRACKING_HZ, CommandTrack, VectorHistory
+from dogbot_logtool.core.vectors import AXES, TRACKING_HZ, CommandTrack, PlannedFoot, VectorHistory
 from dogbot_logtool.core.walk import Walk
 
 USUAL_WINDOW_S: Final = 0.5
@@ -22,13 +24,6 @@ TIMEOUT_S: Final = 0.5
 """s; what ros2_controllers' diff_drive_controller waits for a command before it stops."""
 SPARSE_NS: Final = 1_000_000_000
 """ns; poses further apart than this tell no speed."""
-ZERO: Final = 0.01
-"""m/s or rad/s; commands up to it stand for none."""
-STRAIGHT_MPS: Final = 0.05
-"""m/s; a forward command from which a robot walks."""
-SETTLED_S: Final = 1.0
-"""s after a change of the command before a drift is measured."""
-_LEAST_DRIFT_S: Final = 1.0
 _WORLD_FRAMES: Final = frozenset({"world", "odom", "map", "earth"})
 _CLEARLY: Final = 0.7
 """The better of two readings of the axes has at most this share of the other's error."""
@@ -46,7 +41,7 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     """Compare commands with the base's velocity over time.
 
     Args:
-        walk: its commands (linear x and y, angular z), its base, and when the robot steps.
+        walk: its commands (linear x and y, angular z), and its base.
 
     Returns:
         None without commands or poses.
@@ -55,9 +50,6 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     forward_rad = walk.settings.forward_rad
     if history is None or len(base.time) < 2 or not len(history.time):
         return None
-    # In segments with strides the robot steps.
-    steps = [each.span for each in walk.segments if each.strides]
-    stepping = timespans.merge(np.concatenate([timespans.no_spans(), *steps]))
     window = round((walk.period_s or USUAL_WINDOW_S) * 1e9)
     timeout = round(max(TIMEOUT_S * 1e9, history.gap_ns if np.isfinite(history.gap_ns) else 0.0))
     until = np.append(history.time[1:], history.time[-1:] + timeout)
@@ -81,12 +73,6 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
             if (axes or axis == 2)
             and all(_oppose(measured[longest, axis], each[:, axis]) for each in late)
         ]
-    still = np.abs(velocity) <= ZERO
-    ahead = (np.abs(velocity[:, 0]) >= STRAIGHT_MPS) & still[:, 1:].all(axis=1)
-    spans = {"in place": [timespans.merge(held[still.all(axis=1)]), stepping]}
-    if axes:
-        spans = {"straight": [timespans.merge(held[ahead])]} | spans
-    drifts = {name: _drift(time, measured, each, half) for name, each in spans.items()}
     return CommandTrack(
         history=history,
         axes=axes,
@@ -98,7 +84,6 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
         commanded=command.mean(time, window),
         measured=measured,
         opposed=tuple(opposed),
-        drifts={name: drift for name, drift in drifts.items() if drift is not None},
     )
 
 
@@ -159,20 +144,59 @@ def _oppose(measured: Floats, commanded: Floats) -> bool:
     return float(np.corrcoef(measured, commanded)[0, 1]) <= OPPOSED
 
 
-def _drift(time: Ints, measured: Floats, spans: list[Ints], half_ns: int) -> Floats | None:
-    """Return the mean velocity while commands have held for some time; None: not long enough.
+ON_TIME_S: Final = 0.02
+"""s; touchdowns that are off by less are on time, and by less than a sample of either, too."""
+_LONE_NS: Final = 250_000_000
+"""ns around a touchdown without neighbours in which its match is looked for."""
+
+
+def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
+    """Compare a foot's steps with its plan.
+
+    A planned touchdown is matched with the nearest measured one if it is the nearest of that one,
+    too, and nearer than half of a planned stride. Touchdowns nearer than that to where either is
+    unknown are left out: their match may be hidden.
 
     Args:
-        time: (n,) ns.
-        measured: (n, 3) as in `AXES`.
-        spans: in which the commands hold, and in which else it counts.
-        half_ns: ns, half of what is averaged over.
+        measured: the foot.
+        planned: the same foot in a plan, on the same clock.
     """
-    settling = [half_ns + round(SETTLED_S * 1e9), *[half_ns] * (len(spans) - 1)]
-    chosen: Flags = np.ones(len(time), np.bool_)
-    for within, before in zip(spans, settling, strict=True):
-        chosen &= timespans.hold_window(within, time, before, half_ns)
-    if chosen.sum() / TRACKING_HZ < _LEAST_DRIFT_S:
-        return None
-    mean: Floats = measured[chosen].mean(axis=0)
-    return mean
+    records = measured.record, planned.record
+    both = timespans.intersect([record.known for record in records])
+    plan, steps = planned.touchdown, measured.touchdown
+    steps_ns = np.diff(plan)
+    reach = int(median_of(steps_ns)) // 2 if len(steps_ns) else _LONE_NS
+    match = _matches(plan, steps, reach)
+    found = match >= 0
+    seen = found & timespans.covers(both, plan)
+    counted = timespans.hold_window(both, plan, reach, reach) | seen
+    delay = (steps[match[found & counted]] - plan[found & counted]) / 1e9
+    tolerance = max(ON_TIME_S, *(record.median_interval_s or 0.0 for record in records))
+    alone = np.setdiff1d(np.arange(len(steps)), match[found])
+    down = [timespans.intersect([record.in_contact, both]) for record in records]
+    together = timespans.total(timespans.intersect(down))
+    differ = sum(map(timespans.total, down)) - 2 * together
+    known = timespans.total(both)
+    return PlannedFoot(
+        topic=planned.topic,
+        touchdowns=int(counted.sum()),
+        early=int((delay < -tolerance).sum()),
+        late=int((delay > tolerance).sum()),
+        metrics=Planned(
+            delay_s=aggregate(delay),
+            missed=int((counted & ~found).sum()),
+            unplanned=int(timespans.hold_window(both, steps[alone], reach, reach).sum()),
+            agreement=1.0 - differ / known if known else None,
+        ),
+    )
+
+
+def _matches(plan: Ints, steps: Ints, reach: int) -> Ints:
+    """(p,) measured touchdown of each planned one; -1: none."""
+    if not len(plan) or not len(steps):
+        return np.full(len(plan), -1, np.int64)
+    nearest = nearest_rows(steps, plan)
+    mutual = nearest_rows(plan, steps)[nearest] == np.arange(len(plan))
+    near = np.abs(steps[nearest] - plan) <= reach
+    match: Ints = np.where(mutual & near, nearest, -1)
+    return match
