@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.conversion.findings import second_tf
-from dogbot_logtool.core.checks.beside import name_findings, stamp_findings
+from dogbot_logtool.core.checks.recorded import name_findings, stamp_findings
 from dogbot_logtool.core.known_frames import KnownFrames, known_frames
 from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.core.recording import Recording

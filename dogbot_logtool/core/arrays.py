@@ -36,6 +36,22 @@ def norms(vectors: Floats | Float32s) -> Floats:
     return length
 
 
+def interpolated(at: Ints, time: Ints, values: Floats | Float32s) -> Floats:
+    """Interpolate columns linearly; before the first row and after the last they stay.
+
+    Args:
+        at: any shape, ns.
+        time: (n,) ns, increasing; at least one.
+        values: (n, k).
+
+    Returns:
+        at's shape and k.
+    """
+    # Times since 1970 would lose digits.
+    since, knots = at - time[0], time - time[0]
+    return np.stack([np.interp(since, knots, column) for column in values.T], axis=-1)
+
+
 def dots(first: Floats, second: Floats) -> Floats:
     """Scalar products, row by row, added up left to right.
 

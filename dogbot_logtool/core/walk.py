@@ -7,9 +7,8 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.base.falls import Tipping
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import BaseTrack, base_motion
+from dogbot_logtool.core.base.motion import BaseTrack, Tipping, base_motion
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.base.witness import POINTS, Witness
 from dogbot_logtool.core.consistency import Delay, Worlds
@@ -215,11 +214,4 @@ class Walk:
     def loads_in(self, within: Ints = timespans.ALWAYS) -> WalkLoads:
         """Return the loads of all feet over whole strides of the first foot that has any."""
         strides = self.strides[timespans.covers(within, self.strides.sum(axis=1) // 2)]
-        return loads_of(
-            self.records,
-            self.settings.body_weight_n,
-            strides,
-            within,
-            mass_is_assumed=self.settings.mass_is_assumed,
-            lacks_feet=self.settings.lacks_feet,
-        )
+        return loads_of(self.records, self.settings, strides, within)

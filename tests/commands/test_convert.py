@@ -11,21 +11,27 @@ import json
 import math
 import re
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, get_args
 
 import numpy as np
 import pytest
+from mcap import records
+from mcap.stream_reader import StreamReader
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.core.scene.arrows import ARROW_STYLES
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
+from dogbot_logtool.results import Conversion
+from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
-from tests.commands.conversions import COMPRESSIONS, codes, converted, opening_of
 from tests.measured import measured, measured_contact
 from tests.oracles.annotated_file import (
+    Written,
     described_robots,
     read_written,
     written_arrows,
@@ -43,6 +49,51 @@ from tests.oracles.conversion import (
 from tests.oracles.recorded import BODY_WEIGHT_N, FEET, arrow_topic, read_log
 from tests.oracles.small_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
 from tests.paths import TROT, TROUBLED, WALK
+
+COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
+
+
+@dataclass(frozen=True)
+class Done:
+    conversion: Conversion
+    path: Path
+
+    @cached_property
+    def written(self) -> Written:
+        return read_written(self.path)
+
+
+_DONE: dict[tuple[Path, str], Done] = {}
+_FOLDER = TemporaryDirectory(prefix="converted")
+
+
+def converted(log: Path, **options: Any) -> Done:
+    """Convert a log, once for the same options."""
+    key = (log, repr(sorted(options.items())))
+    if key not in _DONE:
+        target = Path(_FOLDER.name) / f"{len(_DONE)}.mcap"
+        conversion = convert(log, target, ConvertOptions(**options))
+        _DONE[key] = Done(conversion, target)
+    return _DONE[key]
+
+
+def opening_of(log: Path) -> int:
+    """The first log time, ns."""
+    return min(message.log_time for message in read_log(log))
+
+
+def codes(conversion: Conversion) -> set[str]:
+    return {finding.code for finding in conversion.findings}
+
+
+def chunks_of(path: Path) -> list[records.Chunk]:
+    with path.open("rb") as stream:
+        return [
+            record
+            for record in StreamReader(stream, emit_chunks=True).records
+            if isinstance(record, records.Chunk)
+        ]
+
 
 IN_WORLD = {TROT: False, WALK: True, TROUBLED: False}
 """Whether wrenches are in the world frame, as the logs' truths say."""

@@ -14,7 +14,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
-from tests.commands.conversions import chunks_of, codes, converted, opening_of
+from tests.commands.test_convert import chunks_of, codes, converted, opening_of
 from tests.oracles import base_walks, walks
 from tests.oracles.annotated_file import Written, described_robots, read_written, written_loads
 from tests.oracles.recorded import (

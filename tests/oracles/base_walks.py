@@ -14,7 +14,6 @@ from mcap.writer import Writer as McapWriter
 from rosbags.typesys import get_types_from_msg
 
 from tests.oracles import walks
-from tests.oracles.state_walks import StateWalk
 
 SAMPLES: Final = 300
 YAW_RATE: Final = 0.4
@@ -23,6 +22,12 @@ SPEED: Final = 0.5
 """m/s, along the body's own x axis, so that the base walks along an arc."""
 ROLL, PITCH, HEIGHT = 0.05, -0.1, 0.45
 DEFINITIONS: Final = {
+    "xpp_msgs/msg/State6d": "geometry_msgs/Pose pose\ngeometry_msgs/Twist twist\n"
+    "geometry_msgs/Accel accel",
+    "xpp_msgs/msg/RobotStateCartesian": "builtin_interfaces/Duration time_from_start\n"
+    "xpp_msgs/State6d base\nbool[] ee_contact",
+    "anymal_msgs/msg/AnymalState": "std_msgs/Header header\nint8 state\n"
+    "geometry_msgs/PoseStamped pose\ngeometry_msgs/TwistStamped twist",
     "quad_msgs/msg/BodyState": "geometry_msgs/Pose pose\ngeometry_msgs/Twist twist",
     "quad_msgs/msg/RobotState": "std_msgs/Header header\nuint32 traj_index\n"
     "quad_msgs/BodyState body",
@@ -33,6 +38,11 @@ DEFINITIONS: Final = {
     "unitree_go/msg/IMUState": "float32[4] quaternion\nfloat32[3] rpy",
     "unitree_go/msg/SportModeState": "uint32 error_code\nunitree_go/IMUState imu_state\n"
     "float32[3] position\nfloat32[3] velocity",
+    "ocs2_msgs/msg/mpc_state": "float32[] value",
+    "ocs2_msgs/msg/mpc_observation": "float64 time\nocs2_msgs/mpc_state state\nint8 mode",
+    "dwl_msgs/msg/BaseState": "string name\nuint8 id\nfloat64 position",
+    "dwl_msgs/msg/WholeBodyState": "std_msgs/Header header\ndwl_msgs/BaseState[] base",
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
 }
 TOPICS: Final = {
     "nav_msgs/Odometry": "/odom",
@@ -80,7 +90,7 @@ _FOXGLOVE: Final[Mapping[str, Any]] = {
 
 @cache
 def ros() -> walks.Walk:
-    walk = StateWalk(2)
+    walk = walks.Walk(2)
     for name, text in DEFINITIONS.items():
         if name not in walk.store.fielddefs:
             walk.store.register(get_types_from_msg(text, name))
@@ -200,7 +210,12 @@ def _xpp(_walk: walks.Walk, sample: int) -> Fields:
 
 
 def _anymal(walk: walks.Walk, sample: int) -> Fields:
-    return {"header": walk.header(sample, "odom"), "pose": _stamped(walk, sample)}
+    twist = {"header": walk.header(sample, "base")}
+    return {
+        "header": walk.header(sample, "odom"),
+        "pose": _stamped(walk, sample),
+        "twist": twist,
+    }
 
 
 def _quad(walk: walks.Walk, sample: int) -> Fields:
