@@ -214,11 +214,4 @@ class Walk:
     def loads_in(self, within: Ints = timespans.ALWAYS) -> WalkLoads:
         """Return the loads of all feet over whole strides of the first foot that has any."""
         strides = self.strides[timespans.covers(within, self.strides.sum(axis=1) // 2)]
-        return loads_of(
-            self.records,
-            self.settings.body_weight_n,
-            strides,
-            within,
-            mass_is_assumed=self.settings.mass_is_assumed,
-            lacks_feet=self.settings.lacks_feet,
-        )
+        return loads_of(self.records, self.settings, strides, within)
