@@ -276,7 +276,7 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
     return known_path(time, position.astype(np.float32)) if poses.known.any() else None
 
 
-APPROACH: Final = np.linspace(-0.03, 0.0, 4)
+APPROACH: Final = np.linspace(-0.03, 0.0, 7)
 """s before a touchdown at which the foot's places tell its velocity."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
