@@ -269,6 +269,14 @@ def test_provenance_tells_how_but_not_when_or_where() -> None:
     assert not re.search(r"20\d\d-\d\d|\d\d:\d\d|\"/", json.dumps(told))
 
 
+def test_progress_ends_at_the_whole(tmp_path: Path) -> None:
+    made: list[tuple[int, int]] = []
+    options = ConvertOptions(copy=False)
+    convert(TROUBLED, tmp_path / "out.mcap", options, lambda *progress: made.append(progress))
+    assert made[-1][0] == made[-1][1]
+    assert made == sorted(made)
+
+
 def test_the_doctor_finds_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`pymcap-cli doctor` over all encodings and all compressions, each with both copy modes."""
     from pymcap_cli.cli import app as pymcap_cli  # noqa: PLC0415 - takes long to load
