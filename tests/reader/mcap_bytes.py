@@ -2,13 +2,16 @@
 
 import struct
 import zlib
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import count
+from typing import NamedTuple
 
 import lz4.frame
 import zstandard
 
-from tests.reader.reading import Read
+from tests.reader.reading import Read, small_chunks
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
@@ -47,8 +50,7 @@ def channel(number: int, topic: str | bytes, schema_id: int = 1) -> bytes:
     return record(CHANNEL, content)
 
 
-@dataclass(frozen=True)
-class Message:
+class Message(NamedTuple):
     channel: int
     log_time: int
     payload: bytes
@@ -178,10 +180,7 @@ class McapBytes:
 
     def _statistics(self) -> bytes:
         messages = [message for chunk in self.chunks for message in chunk]
-        counts: dict[int, int] = {}
-        for message in messages:
-            counts[message.channel] = counts.get(message.channel, 0) + 1
-        counts = dict(self.stated_counts or counts)
+        counts = self.stated_counts or Counter(message.channel for message in messages)
         times = [message.log_time for message in messages] or [0]
         kinds = [extra[0] for extra in self.extras]
         content = struct.pack(
@@ -201,17 +200,10 @@ class McapBytes:
 
 def small_mcap(compression: str = "zstd", chunks: int = 3, each: int = 4) -> McapBytes:
     """Return an MCAP of two topics, a few messages a chunk, each payload unlike all others."""
+    numbers = count()
     messages = [
-        [
-            Message(
-                1 + (chunk + row) % 2,
-                1_600_000_000_000_000_000 + (chunk * each + row) * 10_000_000,
-                struct.pack("<I", 9) + f"payload{chunk}{row}".encode(),
-                chunk * each + row,
-            )
-            for row in range(each)
-        ]
-        for chunk in range(chunks)
+        [Message(1 + topic, time, payload, next(numbers)) for topic, time, payload in chunk]
+        for chunk in small_chunks(chunks, each)
     ]
     return McapBytes(messages, compression=compression)
 
