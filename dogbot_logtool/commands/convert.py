@@ -8,7 +8,7 @@ from dogbot_logtool.conversion.annotated_log import AnnotatedLog, channels_left_
 from dogbot_logtool.conversion.findings import copy_findings, count_findings
 from dogbot_logtool.conversion.scene import Scene, make_scene
 from dogbot_logtool.core.base.poses import usable_poses
-from dogbot_logtool.core.checks.beside import columns_corrected, frames_known
+from dogbot_logtool.core.checks.recorded import columns_corrected, frames_known
 from dogbot_logtool.core.scene.arrows import ARROW_STYLES
 from dogbot_logtool.finding import Severity, by_severity, found
 from dogbot_logtool.io.output import refuse_bad_target, whole_file

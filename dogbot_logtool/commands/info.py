@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from dogbot_logtool.conversion.findings import second_tf
-from dogbot_logtool.core.checks.beside import name_findings, stamp_findings
+from dogbot_logtool.core.checks.recorded import name_findings, stamp_findings
 from dogbot_logtool.core.known_frames import KnownFrames, known_frames
 from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.core.recording import Recording
@@ -66,7 +66,8 @@ def describe(
             transforms = [*selection.transforms, *added_transforms]
             frames = read_frames(log, transforms, options.jobs, progress)
             # Frames by every recorded transform instead of the first ones.
-            known = replace(known, parents=frames.parents(ros_only=True, without=ours))
+            heeded = {channel.id for channel in selection.transforms}
+            known = replace(known, parents=frames.parents(heeded))
             slashed = recording.slashed_frames.union(frames.slashed)
             recording = replace(recording, slashed_frames=slashed)
         findings, added = _outlook(selection, known)
@@ -89,7 +90,7 @@ def describe(
             chunks=len(log.chunks),
             topics=_topics(log, selection, duration_ns or 0, frames, ours),
             robot=selection.robot.name,
-            parents=known.parents if frames is None else frames.parents(),
+            parents=known.parents if frames is None else frames.parents(frames.channels),
             added_transform=added,
             chunks_seen=chunks_seen,
             frames=frames,

@@ -7,7 +7,7 @@ from typing import Final, Literal, NamedTuple
 from dogbot_logtool.conversion.findings import arrow_findings, no_support, second_tf
 from dogbot_logtool.core.arrays import concatenated, picked
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
-from dogbot_logtool.core.checks.beside import transform_findings
+from dogbot_logtool.core.checks.recorded import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening

@@ -12,10 +12,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.axes import with_forward_axis
-from dogbot_logtool.core.base.falls import fallen_spans, find_tipping
-from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet
-from dogbot_logtool.core.base.motion import base_motion, base_track
+from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet, with_forward_axis
+from dogbot_logtool.core.base.motion import base_motion, base_track, fallen_spans, find_tipping
 from dogbot_logtool.core.base.poses import find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
@@ -113,12 +111,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     placed, worlds = placed_poses(records, candidates, period_s)
     height = height_over_feet(placed, records)
     fallen = fallen_spans(recorded, records, height, jumps.spans)
-    weighed = loads_of(
-        records,
-        settings.body_weight_n,
-        any_strides(records, fallen, timespans.no_spans()),
-        lacks_feet=settings.lacks_feet,
-    )
+    weighed = loads_of(records, settings, any_strides(records, fallen, timespans.no_spans()))
     dead = tuple(dead_feet(records, weighed))
     period_s = typical_period_s([each.stances for each in records])
     apart = too_far_apart(corrected.clocks, period_s)
@@ -140,7 +133,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     guessed = settings.forward_axis
     motion = base_motion(track, settings.forward_rad)
     in_one_world = stand_in is None and (worlds is None or worlds.agree)
-    settings = with_forward_axis(settings, track, motion, in_one_world=in_one_world)
+    settings = with_forward_axis(settings, on_ground, records, motion, in_one_world=in_one_world)
     if settings.forward_axis != guessed:
         motion = base_motion(track, settings.forward_rad)
     feet = tuple(
@@ -184,7 +177,7 @@ def mask_walk(corrected: Corrected) -> Walk:
 def _measured(walk: Walk) -> Walk:
     """Measure a walk of which the masks are known."""
     settings, records, feet = walk.settings, walk.records, walk.feet
-    supported = walk.support_in()
+    supported = support(records) if walk.contacts_known else None
     segments: tuple[Segment, ...] = ()
     if feet and not walk.feet_clocks_are_apart:
         segments = find_segments(feet, walk.standing, contacts_known=supported is not None)

@@ -36,6 +36,22 @@ def norms(vectors: Floats | Float32s) -> Floats:
     return length
 
 
+def interpolated(at: Ints, time: Ints, values: Floats | Float32s) -> Floats:
+    """Interpolate columns linearly; before the first row and after the last they stay.
+
+    Args:
+        at: any shape, ns.
+        time: (n,) ns, increasing; at least one.
+        values: (n, k).
+
+    Returns:
+        at's shape and k.
+    """
+    # Times since 1970 would lose digits.
+    since, knots = at - time[0], time - time[0]
+    return np.stack([np.interp(since, knots, column) for column in values.T], axis=-1)
+
+
 def dots(first: Floats, second: Floats) -> Floats:
     """Scalar products, row by row, added up left to right.
 
@@ -201,6 +217,14 @@ def median_of_known(values: ArrayLike, axis: int) -> Any:  # noqa: ANN401 - as n
     last = (~np.isnan(ordered)).sum(axis=0, keepdims=True) - 1
     middle = [np.take_along_axis(ordered, rank, axis=0) for rank in (last // 2, (last + 1) // 2)]
     return np.concatenate(middle).mean(axis=0)
+
+
+def mean_of_known(values: Floats) -> Floats:
+    """(n,) mean of each row's values that are finite, (n, k); NaN where none is."""
+    known = np.isfinite(values)
+    with np.errstate(invalid="ignore"):
+        mean: Floats = np.where(known, values, 0.0).sum(axis=1) / known.sum(axis=1)
+    return mean
 
 
 def percentiles_of(

@@ -146,16 +146,16 @@ def _oppose(measured: Floats, commanded: Floats) -> bool:
 
 ON_TIME_S: Final = 0.02
 """s; touchdowns that are off by less are on time, and by less than a sample of either, too."""
-_LONE_S: Final = 0.25
-"""s around a touchdown without neighbours in which its match is looked for."""
+_LONE_NS: Final = 250_000_000
+"""ns around a touchdown without neighbours in which its match is looked for."""
 
 
 def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
     """Compare a foot's steps with its plan.
 
     A planned touchdown is matched with the nearest measured one if it is the nearest of that one,
-    too, and nearer than half the way to the planned touchdowns before and after it. Touchdowns
-    nearer than that to where either is unknown are left out: their match may be hidden.
+    too, and nearer than half of a planned stride. Touchdowns nearer than that to where either is
+    unknown are left out: their match may be hidden.
 
     Args:
         measured: the foot.
@@ -164,7 +164,8 @@ def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
     records = measured.record, planned.record
     both = timespans.intersect([record.known for record in records])
     plan, steps = planned.touchdown, measured.touchdown
-    reach = _reach(plan)
+    steps_ns = np.diff(plan)
+    reach = int(median_of(steps_ns)) // 2 if len(steps_ns) else _LONE_NS
     match = _matches(plan, steps, reach)
     found = match >= 0
     seen = found & timespans.covers(both, plan)
@@ -172,7 +173,6 @@ def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
     delay = (steps[match[found & counted]] - plan[found & counted]) / 1e9
     tolerance = max(ON_TIME_S, *(record.median_interval_s or 0.0 for record in records))
     alone = np.setdiff1d(np.arange(len(steps)), match[found])
-    margin = int(median_of(reach) if len(reach) else _LONE_S * 1e9)
     down = [timespans.intersect([record.in_contact, both]) for record in records]
     together = timespans.total(timespans.intersect(down))
     differ = sum(map(timespans.total, down)) - 2 * together
@@ -185,23 +185,13 @@ def follow_plan(measured: FootSteps, planned: FootSteps) -> PlannedFoot:
         metrics=Planned(
             delay_s=aggregate(delay),
             missed=int((counted & ~found).sum()),
-            unplanned=int(timespans.hold_window(both, steps[alone], margin, margin).sum()),
+            unplanned=int(timespans.hold_window(both, steps[alone], reach, reach).sum()),
             agreement=1.0 - differ / known if known else None,
         ),
     )
 
 
-def _reach(plan: Ints) -> Ints:
-    """(p,) ns around each planned touchdown in which its match may be."""
-    if len(plan) < 2:
-        return np.full(len(plan), round(_LONE_S * 1e9), np.int64)
-    steps = np.diff(plan)
-    before, after = np.append(steps[:1], steps), np.append(steps, steps[-1:])
-    reach: Ints = np.minimum(before, after) // 2
-    return reach
-
-
-def _matches(plan: Ints, steps: Ints, reach: Ints) -> Ints:
+def _matches(plan: Ints, steps: Ints, reach: int) -> Ints:
     """(p,) measured touchdown of each planned one; -1: none."""
     if not len(plan) or not len(steps):
         return np.full(len(plan), -1, np.int64)

@@ -1,7 +1,6 @@
 """The frame tree of a whole log, and what is wrong with it: `info --frames`."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from collections.abc import Set as AbstractSet
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
 from dogbot_logtool.core.frames.transforms import (
@@ -54,22 +53,11 @@ class Frames(NamedTuple):
             senders.add(f"{channel.topic} ({node})" if node else channel.topic)
         return sorted(senders)
 
-    def parents(
-        self, *, ros_only: bool = False, without: AbstractSet[int] = frozenset()
-    ) -> dict[str, frozenset[str]]:
-        """Return the parents of each frame.
-
-        Args:
-            ros_only: by ROS messages, the only ones that `convert` heeds.
-            without: ids of channels that do not count.
-        """
+    def parents(self, channels: Collection[int]) -> dict[str, frozenset[str]]:
+        """Return the parents that some channels, by id, give each frame."""
         parents: dict[str, set[str]] = {}
         for edge in self.edges:
-            numbers = [number for number in edge.channels if number not in without]
-            if not numbers:
-                continue
-            types = {self.channels[number].type_name for number in numbers}
-            if not (ros_only and types <= FOXGLOVE_TYPES):
+            if any(number in channels for number in edge.channels):
                 parents.setdefault(edge.child, set()).add(edge.parent)
         return {child: frozenset(names) for child, names in sorted(parents.items())}
 

@@ -28,7 +28,6 @@ from dogbot_logtool.robot.words import (
     ENDS,
     LETTERS,
     MERITS,
-    NEUTRAL,
     ROWS,
     SIDES,
     Part,
@@ -65,10 +64,6 @@ class FootSet(NamedTuple):
     part: Part = Part.UNKNOWN
     words: frozenset[str] = frozenset()
     """Words that describe the leg, without those that name it."""
-    letters_only: bool = False
-    """Whether the legs are named by two letters, of which ``lf`` may also be a left foot."""
-    doubtful: bool = False
-    """Whether the segment before the leg's names something that is no foot."""
     type_name: str = ""
     """Type of the messages, of fields."""
     marks: tuple[Mark, ...] = ()
@@ -110,7 +105,7 @@ class FootSet(NamedTuple):
     def is_usable(self) -> bool:
         """Whether it tells of measured forces, and of no other part than a foot."""
         part, demerit = self.rank
-        return demerit <= -_USABLE and part <= -Part.UNKNOWN and not self.doubtful
+        return demerit <= -_USABLE and part <= -Part.UNKNOWN
 
     def is_clear(self, *, contacts_only: bool) -> bool:
         """Tell whether it may be taken for the feet without asking.
@@ -125,16 +120,14 @@ class FootSet(NamedTuple):
             return is_leg and count >= _NUMBERED
         if self.kind == "sides":
             return is_leg or (contacts_only and self.words.isdisjoint({"bumper", "bumpers"}))
+        # The legs of `lf` and `rf` alone may also be a left and a right foot.
         ends = {foot.leg_position[0] for foot in self.feet if foot.leg_position}
-        fronts = self.letters_only and ends == {"front"}
-        return count >= _MANY or ((is_leg or contacts_only) and not fronts)
+        return count >= _MANY or ((is_leg or contacts_only) and ends != {"front"})
 
     def may_be_feet(self, *, contacts_only: bool) -> bool:
         """Tell whether it is worth offering: forces of any left and right thing are not."""
-        if self.kind == "sides" and self.part == Part.UNKNOWN and not contacts_only:
-            distinct = self.words - NEUTRAL - MERITS.keys()
-            return not self.doubtful and not any(map(str.isalpha, distinct))
-        return self.part > Part.NOT_A_FOOT and len(self.feet) <= _MOST_LEGS
+        is_anything = self.kind == "sides" and self.part == Part.UNKNOWN and not contacts_only
+        return self.part > Part.NOT_A_FOOT and len(self.feet) <= _MOST_LEGS and not is_anything
 
 
 def name_feet(
@@ -162,7 +155,21 @@ def name_feet(
     clear = [one for one in possible if one.is_clear(contacts_only=contacts_only)]
     is_best = len(clear) == 1 or (clear and clear[0].rank < clear[1].rank)
     chosen = clear[0] if is_best else None
+    if contacts_only and len(names) == 1:
+        chosen = _lone_foot(*names.items())
     return chosen, tuple(one for one in possible if one is not chosen)
+
+
+def _lone_foot(topic_and_words: tuple[str, Words]) -> FootSet | None:
+    """Return the one foot that tells of contacts, where its name says where it sits."""
+    topic, words = topic_and_words
+    name = foot_name(topic)
+    position = leg_position(name)
+    if position is None or not {Part.NOT_A_FOOT, Part.UPPER_LEG}.isdisjoint(
+        word.part for word in words
+    ):
+        return None
+    return FootSet((Foot(name, topic, leg_position=position),), "corners")
 
 
 # --- siblings ------------------------------------------------------------------------------------
@@ -218,47 +225,32 @@ def _as_feet(
     topics = sorted(group, key=lambda topic: legs[topic].order)
     words, slots = group[topics[0]], legs[topics[0]].slots
     first = words[slots[0]].segment
-    before = [word for word in words if word.segment == first - 1]
-    # A segment before the leg's describes it only if it says nothing else, as `/foot_sensors/`.
-    telling = all(word.part is not None or word.text in NEUTRAL | MERITS.keys() for word in before)
-    near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - telling]
+    # The segment before that of the leg describes it, too, as `/foot_sensors/` does.
+    near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - 1]
     parts = [word.part for word in near if word.part is not None]
-    doubtful = any(word.part is Part.NOT_A_FOOT for word in before)
+    part = Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN)
     if len(slots) > 1 and kind == "numbers":
         # The numbers in `foot_l1` may be those of the sensors of one foot.
         inside = {word.part for word in words if word.segment == first}
-        doubtful = Part.FOOT in inside and Part.LEG not in inside
+        part = Part.UNKNOWN if Part.FOOT in inside and Part.LEG not in inside else part
     feet = [Foot(legs[t].name, t, leg_position=legs[t].position) for t in topics]
     if sensors:
         number = {topic: n for n, part in enumerate(sensors, start=1) for topic in part}
         feet = [replace(f, name=f"{f.name}_{number[f.topic]}", sensor_of=f.name) for f in feet]
         feet.sort(key=lambda foot: number[foot.topic])
-    return FootSet(
-        tuple(feet),
-        kind,
-        Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN),
-        frozenset(word.text for word in near),
-        letters_only=all(words[at].text in LETTERS for at in slots),
-        doubtful=doubtful,
-    )
+    return FootSet(tuple(feet), kind, part, frozenset(word.text for word in near))
 
 
 def _name_one_foot(words: Words, differ: Sequence[int]) -> bool:
-    """Tell whether words in which siblings agree name one foot: they are its sensors.
-
-    A segment in which none differs must say nothing else: ``left_leg_controller`` names no leg.
-    """
-    for segment in {word.segment for word in words}:
-        inside = [at for at, word in enumerate(words) if word.segment == segment]
-        agreed = [(at, words[at]) for at in inside if at not in differ]
-        named = any(
-            b == a + 1 and ((x.is_leg and y.is_position) or (x.is_position and y.is_leg))
-            for (a, x), (b, y) in pairwise(agreed)
-        )
-        telling = all(w.is_leg or w.is_position or w.text in NEUTRAL for _, w in agreed)
-        if named and (len(agreed) < len(inside) or telling):
-            return True
-    return False
+    """Tell whether words in which siblings agree name one foot: they are its sensors."""
+    agreed = pairwise([None if at in differ else word for at, word in enumerate(words)])
+    return any(
+        one.segment == other.segment
+        and {one.part, other.part} & {Part.FOOT}
+        and (one.is_position or other.is_position)
+        for one, other in agreed
+        if one and other
+    )
 
 
 # --- words that are read as a leg ----------------------------------------------------------------

@@ -144,7 +144,7 @@ def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -
 
 
 def not_calibrated(
-    robot: Robot, feet: Sequence[Foot], name: str, say: str = "unseen", reason: str = ""
+    robot: Robot, feet: Sequence[Foot], name: str, say: str = "unseen", told: str = ""
 ) -> Finding:
     """Return a warning of what is missing while the counts of raw sensors have no scale.
 
@@ -152,16 +152,14 @@ def not_calibrated(
         robot: with the threshold of contact.
         feet: those without a scale.
         name: of the type of their messages.
-        say: where the threshold of contact is from, if there is none in the robot's file.
-        reason: why contact cannot be estimated.
+        say: where the thresholds of contact are from, if there is none in the robot's file.
+        told: these thresholds, or why they cannot be estimated.
     """
     names, counts = tuple(foot.name for foot in feet), robot.contact_on_counts
-    say = "given" if counts is not None and say != "estimated" else say
-    listed_feet = ", ".join(names)
-    told = found(
-        "NO_FORCE", "counts", say=say, type=name, names=listed_feet, counts=counts, reason=reason
-    )
-    return replace(told, feet=names)
+    if counts is not None:
+        say, told = "given", f"{counts:.6g}"
+    finding = found("NO_FORCE", "counts", say=say, type=name, names=", ".join(names), told=told)
+    return replace(finding, feet=names)
 
 
 def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:

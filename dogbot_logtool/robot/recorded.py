@@ -1,6 +1,5 @@
 """What was recorded of a log, and the span of it that a user asks for."""
 
-import struct
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Final
@@ -12,7 +11,6 @@ from dogbot_logtool.reader.containers.log import EarlierAnnotations, Extra, Log
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.part import TimeLimits
 
-_NAME: Final = struct.pack("<I", len(PROVENANCE)) + PROVENANCE.encode()
 _LARGEST_RECORD: Final = 1 << 24
 
 
@@ -65,17 +63,14 @@ def _provenance(log: Log) -> Iterator[tuple[Extra, Mapping[str, str]]]:
     from mcap import records  # noqa: PLC0415
     from mcap.opcode import Opcode  # noqa: PLC0415
 
-    from dogbot_logtool.io.mcap_layout import RECORD_HEAD  # noqa: PLC0415
     from dogbot_logtool.reader.containers.mcap.records import read_extra  # noqa: PLC0415
 
     for extra in log.extras:
         if extra.opcode != Opcode.METADATA or extra.size > _LARGEST_RECORD:
             continue
-        if extra.source.read(extra.offset + RECORD_HEAD.size, len(_NAME)) != _NAME:
-            continue
         match read_extra(extra):
-            case (_, records.Metadata() as metadata):
-                yield extra, metadata.metadata
+            case (_, records.Metadata(name=name, metadata=metadata)) if name == PROVENANCE:
+                yield extra, metadata
 
 
 # --- a span of it ---------------------------------------------------------------------------------
@@ -118,9 +113,9 @@ def refuse_empty_span(log: Log, limits: TimeLimits, messages: int) -> None:
     """
     if messages or limits == (None, None) or log.start_time is None or log.end_time is None:
         return
-    start, end = (None if each is None else (each - log.start_time) / 1e9 for each in limits)
-    first = 0.0 if start is None else start
-    last = (log.end_time - log.start_time) / 1e9 if end is None else end
+    start, end = limits
+    first = 0.0 if start is None else (start - log.start_time) / 1e9
+    last = ((log.end_time if end is None else end) - log.start_time) / 1e9
     raise CallError(
         f"{name_of(log.source.path)}: no message was recorded from {first:.12g} to {last:.12g} s; "
         f"{_length(log)}"

@@ -17,7 +17,7 @@ from dogbot_logtool.errors import LogtoolError
 from tests.measured import walk_of
 from tests.oracles.conversion import sample_of
 from tests.oracles.recorded import contact_topic, decoded_log
-from tests.oracles.ros1_logs import mixed_contacts, write_bag
+from tests.oracles.small_logs import mixed_contacts, write_bag
 from tests.paths import TROUBLED, WALK
 
 FOOT = "front_left"

@@ -1,32 +1,55 @@
-"""Support and legs in converted logs."""
+"""Support, legs, topics, transforms and events of a converted log."""
 
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
-from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
+from dogbot_logtool.conversion import annotated_log
 from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.core.scene.support_scene import margin_colour
 from dogbot_logtool.options.convert import ConvertOptions
-from tests.commands.conversions import codes
+from dogbot_logtool.report.documents import stats_json
+from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
+from tests.commands.test_convert import codes, converted
+from tests.measured import measured
 from tests.oracles import walks
 from tests.oracles.annotated_file import (
-    Written,
     read_written,
     written_transforms,
 )
 from tests.oracles.conversion import xyz
 from tests.oracles.frames import Frames, turn_of
-from tests.oracles.recorded import S
-from tests.oracles.ros1_logs import BASE, FEET, LIFTED, LIFTED_S, START, write_standing_log
-from tests.oracles.small_logs import CONTACTS, first_seconds, write_log
-from tests.paths import ROOT, TROT
+from tests.oracles.recorded import (
+    TEXT_TYPE,
+    TF_TYPE,
+    S,
+    arrow_topic,
+    load_topic,
+)
+from tests.oracles.small_logs import (
+    BASE,
+    CONTACTS,
+    FEET,
+    LIFTED,
+    LIFTED_S,
+    START,
+    first_seconds,
+    small_walk,
+    text,
+    transform,
+    write_bag,
+    write_log,
+    write_standing_log,
+)
+from tests.oracles.walks import Entry
+from tests.paths import ROOT, TROT, TROUBLED
 from tests.truth import physics
 from tests.truth.free_walker import trot
 from tests.truth.parts import urdf
@@ -157,24 +180,23 @@ def test_only_joints_of_the_base_s_links_move_a_description(tmp_path: Path) -> N
     file, target = tmp_path / "dog.urdf", tmp_path / "out.mcap"
     log = physics.write_log(tmp_path / "log.mcap", replace(trot(), parts=()), by_transforms=False)
     own = physics.write_log(tmp_path / "own.mcap", trot(), by_transforms=True)
-    for source, text, is_said in (
-        (log, CALF, True),
-        (own, CALF, False),
-        (log, urdf(trot().parts).replace("_joint", "_other"), False),
-        (log, urdf(trot().parts).replace("base_link", "trunk"), True),
+    whole = urdf(trot().parts)
+    for source, description, said in (
+        (log, CALF, [""]),
+        (own, CALF, []),
+        (log, whole.replace("_joint", "_other"), []),
+        (log, whole.replace("base_link", "trunk"), [""]),
+        (
+            log,
+            whole.replace('xyz="0 1 0"', 'xyz="0 nan 0"', 1),
+            ["left out of the", ": 1 ("],
+        ),
     ):
-        file.write_text(text)
+        file.write_text(description)
         done = convert(source, target, ConvertOptions(urdf=file, end=0.5, overwrite=True))
-        assert ("ROBOT_DESCRIPTION" in codes(done)) == is_said
-
-
-def test_joints_that_are_left_out_are_counted(tmp_path: Path) -> None:
-    file = tmp_path / "dog.urdf"
-    file.write_text(urdf(trot().parts).replace('axis xyz="0 1 0"', 'axis xyz="0 nan 0"', 1))
-    log = physics.write_log(tmp_path / "log.mcap", replace(trot(), parts=()), by_transforms=False)
-    done = convert(log, tmp_path / "out.mcap", ConvertOptions(urdf=file))
-    said = [each.text for each in done.findings if each.code == "ROBOT_DESCRIPTION"]
-    assert any("joints left out of the robot description: 1 (" in each for each in said)
+        found = [each.text for each in done.findings if each.code == "ROBOT_DESCRIPTION"]
+        assert bool(found) == bool(said)
+        assert all(each in " ".join(found) for each in said)
 
 
 def test_feet_that_tell_contact_only_have_loads_that_say_stance_and_swing(tmp_path: Path) -> None:
@@ -192,16 +214,10 @@ def test_feet_that_tell_contact_only_have_loads_that_say_stance_and_swing(tmp_pa
 # --- Lines from the body to the feet --------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def standing(tmp_path_factory: pytest.TempPathFactory) -> Written:
-    folder = tmp_path_factory.mktemp("standing")
-    log = write_standing_log(folder / "log.mcap")
-    convert(log, folder / "out.mcap", ConvertOptions(encoding="ros2", copy=False))
-    return read_written(folder / "out.mcap")
-
-
-def test_lines_lead_to_the_feet_that_stand(standing: Written) -> None:
-    legs = standing.decoded("/legs")
+def test_lines_lead_to_the_feet_that_stand(tmp_path: Path) -> None:
+    log = write_standing_log(tmp_path / "log.mcap")
+    convert(log, tmp_path / "out.mcap", ConvertOptions(encoding="ros2", copy=False))
+    legs = read_written(tmp_path / "out.mcap").decoded("/legs")
     assert legs[0][0] == START
     assert len(legs) == 50
     for log_time, message in legs:
@@ -222,26 +238,135 @@ def test_lines_lead_to_the_feet_that_stand(standing: Written) -> None:
             assert (colour.r, colour.g, colour.b) == pytest.approx(own, abs=1e-6)
 
 
-def test_labels_stand_at_the_feet(standing: Written) -> None:
-    for foot, offset in FEET.items():
-        messages = [message for _, message in standing.decoded(f"/label/{foot}")]
-        shown = [message for message in messages if message.action != 2]
-        assert shown
-        # Viewers know what to remove by its name.
-        assert {(message.ns, message.id) for message in messages} == {("label", 0)}
-        for message in shown:
-            assert message.text.strip().endswith(" N")
-            expected = [a + b for a, b in zip(BASE, offset, strict=True)]
-            assert xyz(message.pose.position)[:2] == pytest.approx(expected[:2], abs=0.1)
+# --- Topics and transforms ------------------------------------------------------------------------
 
 
-def test_the_body_spans_the_hips_and_its_nose_is_between_the_fore_feet(standing: Written) -> None:
-    """The robot is guessed to be one whose +y is forward; its feet say otherwise."""
-    ((_, text),) = standing.decoded("/robot_description")
-    body, nose = ET.fromstring(text.data).findall(".//visual")  # noqa: S314
-    length, width, _ = map(float, body.find("geometry/box").get("size").split())  # type: ignore[union-attr]
-    x, y, _ = map(float, nose.find("origin").get("xyz").split())  # type: ignore[union-attr]
-    assert 0.3 < length < 0.6
-    assert 0.2 <= width < 0.4
-    assert x > length / 2.0
-    assert y == pytest.approx(0.0)
+def test_a_topic_that_is_taken_twice_is_moved_twice(tmp_path: Path) -> None:
+    taken = (load_topic("front_left"), f"/dogbot_logtool{load_topic('front_left')}")
+    entries = [Entry(topic, TEXT_TYPE, 10 * S, text("mine")) for topic in taken]
+    log = write_bag(tmp_path / "log.bag", [*entries, *small_walk(0.2)])
+    conversion = convert(log, tmp_path / "out.mcap", ConvertOptions())
+    topic = "/dogbot_logtool/dogbot_logtool/load/front_left"
+    assert conversion.annotations[topic] == 51  # with the first time's
+    loads = read_written(tmp_path / "out.mcap").decoded(topic)
+    assert {load.in_contact for _, load in loads} == {True, False}
+    (moved,) = [finding for finding in conversion.findings if finding.code == "TOPIC_MOVED"]
+    assert moved.where == topic
+    assert "/load/front_left" in moved.text
+
+
+# --- A second parent ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def second_parent(tmp_path: Path) -> Path:
+    """A walk of which a transform, too, says once where the base is."""
+    time = 10 * S + 100_000_000
+    sent = Entry("/tf", TF_TYPE, time, transform(time, "/map", "base_link"))
+    entries = sorted([*small_walk(), sent], key=lambda entry: entry.log_time)
+    return write_bag(tmp_path / "log.bag", entries)
+
+
+def test_a_second_parent_is_noticed(second_parent: Path) -> None:
+    target = second_parent.with_suffix(".mcap")
+    conversion = convert(second_parent, target, ConvertOptions())
+    assert not [topic for topic in conversion.annotations if topic.endswith("/tf")]
+    assert read_written(target).encodings("/tf") == {"ros1"}
+    (finding,) = [f for f in conversion.findings if f.code == "TF_NOT_WRITTEN"]
+    assert "base_link a parent (map)" in finding.text
+    assert conversion.annotations[arrow_topic("front_left")] == 250
+
+
+@pytest.mark.parametrize(
+    ("options", "topic"), [({"tf": "always"}, "/dogbot_logtool/tf"), ({"copy": False}, "/tf")]
+)
+def test_a_parent_that_is_not_copied_is_no_second_one(
+    second_parent: Path, options: dict[str, Any], topic: str
+) -> None:
+    """Nor is one where transforms are written in any case."""
+    conversion = convert(
+        second_parent, second_parent.with_suffix(".mcap"), ConvertOptions(**options)
+    )
+    assert conversion.annotations[topic] == 50
+    assert "TF_NOT_WRITTEN" not in codes(conversion)
+
+
+# --- Events and gaits -----------------------------------------------------------------------------
+
+
+STEPS = {"touchdown", "lift_off"}
+
+
+def messages_of(log: Path, encoding: str, topic: str) -> list[tuple[int, Any]]:
+    return converted(log, copy=False, encoding=encoding).written.decoded(topic)
+
+
+def troubled_events() -> list[dict[str, Any]]:
+    """What `stats` says, with log times: the stamps of this log are zero."""
+    origin, found = measured(TROUBLED).walk.origin, stats_json(measured(TROUBLED))["events"]
+    return [{**each, "log_time": origin + round(each["onset_s"] * 1e9)} for each in found]
+
+
+def log_line(event: dict[str, Any]) -> str:
+    """What a log panel shows behind the source: each fact once."""
+    parts = [event["type"].replace("_", " ")]
+    if event["value"] is not None:
+        parts.append(f"{event['value']:.3g} {event['unit']}")
+    if event["duration_s"] and event["unit"] != "s":
+        parts.append(f"for {event['duration_s']:.3f} s")
+    return ", ".join([*parts, *filter(None, [event["code"]])])
+
+
+@pytest.mark.parametrize(
+    ("encoding", "text", "warning"),
+    [("foxglove", "message", 3), ("ros1", "msg", 4), ("ros2", "msg", 30)],
+)
+def test_every_event_is_a_log_message_at_its_log_time(
+    encoding: str, text: str, warning: int
+) -> None:
+    found = messages_of(TROUBLED, encoding, "/events")
+    for (log_time, message), event in zip(found, troubled_events(), strict=True):
+        assert log_time == event["log_time"]
+        assert getattr(message, text) == log_line(event)
+        assert message.name == (event["foot"] or "robot")
+        assert (message.level >= warning) is (event["type"] not in STEPS)
+
+
+def test_onsets_on_stamps_are_written_at_log_times() -> None:
+    track = measured(TROT).walk.feet[0].record.track
+    recorded = dict(zip(track.time.tolist(), track.log_time.tolist(), strict=True))
+    found = [
+        (message.timestamp.ToNanoseconds(), log_time)
+        for log_time, message in messages_of(TROT, "foxglove", "/events")
+    ]
+    at_samples = [each for each in found if each[0] in recorded]
+    assert len(at_samples) > 20
+    assert set(at_samples) <= recorded.items()
+    assert all(0 < log_time - stamp < 5e6 for stamp, log_time in found)
+
+
+def test_events_are_spans_where_the_schemas_have_them() -> None:
+    pytest.importorskip("foxglove_schemas_protobuf.Event_pb2")
+    found = messages_of(TROUBLED, "foxglove", "/events/spans")
+    odd = [each for each in troubled_events() if each["type"] not in STEPS]
+    for (log_time, message), event in zip(found, odd, strict=True):
+        start, end = (each.ToNanoseconds() for each in (message.start_time, message.end_time))
+        assert log_time == start == event["log_time"]
+        assert (end - start) / 1e9 == pytest.approx(event["duration_s"], abs=1e-8)
+        details = {each.key: each.value for each in message.metadata}
+        assert details["type"] == event["type"]
+        assert details.get("foot") == event["foot"]
+        value = float("nan") if event["value"] is None else event["value"]
+        assert float(details.get("value", "nan")) == pytest.approx(value, nan_ok=True)
+
+
+def test_without_spans_in_the_schemas_the_rest_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "foxglove_schemas_protobuf.Event_pb2", None)
+    # Made with those schemas, not the one that other conversions share.
+    monkeypatch.setattr(annotated_log, "encoding_named", lambda _: FoxgloveEncoding())
+    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False, jobs=1))
+    topics = read_written(tmp_path / "out.mcap").topics
+    assert "/events/spans" not in topics
+    assert topics["/events"]

@@ -15,7 +15,7 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config
 from tests.oracles.annotated_file import read_written
-from tests.oracles.ros1_logs import write_standing_log
+from tests.oracles.small_logs import write_standing_log
 from tests.paths import TROUBLED, WALK
 
 FEET = ("front_left", "front_right", "back_left", "back_right")

@@ -22,6 +22,7 @@ from dogbot_logtool.core.arrays import (
     rows_by_group,
 )
 from dogbot_logtool.core.rotations import normalised, slerp
+from tests.truth.recording import about_axis
 
 PERCENTS = [0.0, 12.5, 95.0, 100.0]
 
@@ -123,15 +124,14 @@ def test_ticks_are_whole_multiples_in_spans() -> None:
     assert len(timespans.ticks(timespans.no_spans(), 10)) == 0
 
 
-def about_z(angle: float) -> Any:
-    return np.array([[0.0, 0.0, np.sin(angle / 2.0), np.cos(angle / 2.0)]])
+ABOUT_Z = about_axis(2, np.array([0.2, 0.3, 0.4]))
 
 
 def test_interpolation_takes_the_shorter_arc() -> None:
-    half = slerp(about_z(0.2), -about_z(0.4), np.array([0.5]))
-    assert abs((half * about_z(0.3)).sum()) == pytest.approx(1.0)
+    half = slerp(ABOUT_Z[:1], -ABOUT_Z[2:], np.array([0.5]))
+    assert abs((half * ABOUT_Z[1]).sum()) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("scale", [1e-200, 1e200])
 def test_any_length_is_normalised(scale: float) -> None:
-    np.testing.assert_allclose(normalised(about_z(0.8) * scale), about_z(0.8), rtol=1e-12)
+    np.testing.assert_allclose(normalised(ABOUT_Z * scale), ABOUT_Z, rtol=1e-12)

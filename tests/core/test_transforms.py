@@ -1,21 +1,18 @@
+"""Poses of frames over time, and of links that slide, stay or follow."""
+
+from math import cos, pi, sin
+
 import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.frames.kinematics import Joint, Triple, link_poses
 from dogbot_logtool.core.frames.transforms import FrameTrack, Poses, frame_track, lookup
 from dogbot_logtool.core.rotations import rotate
+from tests.oracles.frames import turn_of
+from tests.truth.recording import about_axis
 
 MS = 1_000_000
-
-
-def about_z(angle: Floats) -> Floats:
-    zero = np.zeros_like(angle)
-    return np.stack([zero, zero, np.sin(angle / 2.0), np.cos(angle / 2.0)], axis=1)
-
-
-def about_x(angle: Floats) -> Floats:
-    zero = np.zeros_like(angle)
-    return np.stack([np.sin(angle / 2.0), zero, zero, np.cos(angle / 2.0)], axis=1)
 
 
 def at(*milliseconds: float) -> Ints:
@@ -41,8 +38,8 @@ def spinning(time: Ints, log_time: Ints | None = None) -> dict[str, FrameTrack]:
     seconds = time / 1e9
     log_time = time if log_time is None else log_time
     shift = np.stack([2.0 * seconds, 0.0 * seconds, 0.0 * seconds], axis=1)
-    bend, beside = about_x(np.array([0.3])), np.array([[0.0, 1.0, 0.0]])
-    base = tracks_of("/world", "base_link", time, log_time, shift, about_z(seconds))
+    bend, beside = about_axis(0, np.array([0.3])), np.array([[0.0, 1.0, 0.0]])
+    base = tracks_of("/world", "base_link", time, log_time, shift, about_axis(2, seconds))
     return base | tracks_of("base_link", "leg", at(0), at(0), beside, bend, static=True)
 
 
@@ -74,7 +71,7 @@ def test_what_was_recorded_long_before_or_after_is_not_used() -> None:
 
 
 def test_a_loop_of_frames_ends() -> None:
-    still = np.zeros((1, 3)), about_z(np.zeros(1))
+    still = np.zeros((1, 3)), about_axis(2, np.zeros(1))
     tracks = tracks_of("a", "b", at(0), at(0), *still) | tracks_of("b", "a", at(0), at(0), *still)
     assert not lookup(tracks, "a", "world", at(0), at(0)).known.any()
 
@@ -82,7 +79,7 @@ def test_a_loop_of_frames_ends() -> None:
 def test_what_cannot_be_a_transform_is_left_out() -> None:
     shift = np.zeros((6, 3))
     shift[1, 0] = np.nan
-    turn = about_z(np.zeros(6))
+    turn = about_axis(2, np.zeros(6))
     turn[2] = 0.0
     time, log_time = at(0, 10, 20, 30, 30, 25), at(0, 10, 20, 30, 40, 50)
     tracks = tracks_of("world", "base", time, log_time, shift, turn)
@@ -91,12 +88,39 @@ def test_what_cannot_be_a_transform_is_left_out() -> None:
 
 def test_the_latest_static_transform_holds() -> None:
     shift = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
-    tracks = tracks_of("base", "leg", at(7, 7), at(7, 8), shift, about_z(np.zeros(2)), static=True)
+    tracks = tracks_of(
+        "base", "leg", at(7, 7), at(7, 8), shift, about_axis(2, np.zeros(2)), static=True
+    )
     assert lookup(tracks, "leg", "base", at(0), at(0)).translation[0].tolist() == [2.0, 0.0, 0.0]
 
 
 def test_huge_numbers_are_no_error() -> None:
-    still = about_z(np.zeros(2))
+    still = about_axis(2, np.zeros(2))
     shift = np.full((2, 3), 1e308) * np.array([[1.0], [-1.0]])
     tracks = tracks_of("world", "leg", at(0, 20), at(0, 20), shift, still)
     assert look(tracks, at(10)).known.all()
+
+
+SLANTED: Triple = (2 / 7, 3 / 7, 6 / 7)
+TURNED = (0.0, 0.0, sin(pi / 6), cos(pi / 6))
+"""60 degrees about z."""
+TURNED_MATRIX = turn_of(TURNED)
+
+
+def test_a_prismatic_joint_moves_along_its_axis_in_its_own_frame() -> None:
+    joint = Joint("j", "a", "b", "prismatic", (1.0, 0.0, 0.0), TURNED, SLANTED)
+    shift, turn = link_poses([joint], np.array([[0.0], [0.7]]))
+    expected = np.array([1.0, 0.0, 0.0]) + 0.7 * TURNED_MATRIX @ np.array(SLANTED)
+    np.testing.assert_allclose(shift[:, 0], [[1.0, 0.0, 0.0], expected], atol=1e-12)
+    np.testing.assert_allclose(turn_of(turn[1, 0]), TURNED_MATRIX, atol=1e-12)
+
+
+def test_a_fixed_joint_stays_and_a_mimic_follows() -> None:
+    fixed = Joint("f", "a", "b", "fixed", rotation=TURNED)
+    mimic = Joint("m", "b", "c", "revolute", source="j", multiplier=-2.0, offset=0.5)
+    assert (fixed.measured, mimic.measured) == ("f", "j")
+    _, turn = link_poses([fixed, mimic], np.array([[np.nan, 0.4]]))
+    np.testing.assert_allclose(turn_of(turn[0, 0]), TURNED_MATRIX, atol=1e-12)
+    half = (-2.0 * 0.4 + 0.5) / 2.0
+    expected = turn_of((sin(half), 0.0, 0.0, cos(half)))
+    np.testing.assert_allclose(turn_of(turn[0, 1]), expected, atol=1e-12)

@@ -1,6 +1,6 @@
 """Annotations that a file has, read and decoded by the mcap library."""
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 from mcap import records
-from mcap.stream_reader import StreamReader
+from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory as ProtobufDecoders
 from mcap_ros1.decoder import DecoderFactory as Ros1Decoders
 from mcap_ros2.decoder import DecoderFactory as Ros2Decoders
@@ -22,28 +22,24 @@ ENCODED: Final = {"foxglove": "protobuf", "ros1": "ros1", "ros2": "cdr"}
 """Message encoding of each output encoding."""
 
 
+def _decoders() -> Mapping[str, Any]:
+    """Return the libraries' decoders; they remember schemas by id, so every file needs its own."""
+    return {"protobuf": ProtobufDecoders(), "ros1": Ros1Decoders(), "cdr": Ros2Decoders()}
+
+
 @dataclass(slots=True)
 class Written:
-    """A file that was written, as the mcap library reads it from front to back."""
+    """A file that was written, as the mcap library reads it by its index."""
 
-    profile: str = ""
-    schemas: dict[int, records.Schema] = field(default_factory=dict)
-    channels: dict[int, records.Channel] = field(default_factory=dict)
-    messages: list[records.Message] = field(default_factory=list)
-    rows: dict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
-    """Of each channel, where its messages stand among all."""
-    attachments: list[records.Attachment] = field(default_factory=list)
-    metadata: list[records.Metadata] = field(default_factory=list)
-    statistics: records.Statistics | None = None
-    chunk_compressions: list[str] = field(default_factory=list)
-    decoders: Mapping[str, Any] = field(
-        default_factory=lambda: {
-            "protobuf": ProtobufDecoders(),
-            "ros1": Ros1Decoders(),
-            "cdr": Ros2Decoders(),
-        }
-    )
-    """The libraries' decoders; they remember schemas by id, so every file needs its own."""
+    profile: str
+    schemas: dict[int, records.Schema]
+    channels: dict[int, records.Channel]
+    statistics: records.Statistics
+    messages: list[records.Message]
+    attachments: list[records.Attachment]
+    metadata: list[records.Metadata]
+    chunk_compressions: list[str]
+    decoders: Mapping[str, Any] = field(default_factory=_decoders)
 
     def decode(self, schema: records.Schema, message: records.Message, encoding: str) -> Any:
         decoder = self.decoders[encoding].decoder_for(encoding, schema)
@@ -55,14 +51,14 @@ class Written:
 
     def of(self, topic: str, encoding: str) -> list[tuple[records.Schema, records.Message]]:
         """Return a topic's messages of one encoding, in the order of their log times."""
-        rows = sorted(
-            row
+        schemas = {
+            channel.id: self.schemas[channel.schema_id]
             for channel in self.channels.values()
             if channel.topic == topic and channel.message_encoding == encoding
-            for row in self.rows[channel.id]
-        )
-        found = sorted((self.messages[row] for row in rows), key=lambda one: one.log_time)
-        return [(self.schemas[self.channels[one.channel_id].schema_id], one) for one in found]
+        }
+        found = [message for message in self.messages if message.channel_id in schemas]
+        found.sort(key=lambda message: message.log_time)
+        return [(schemas[message.channel_id], message) for message in found]
 
     def decoded(self, topic: str) -> list[tuple[int, Any]]:
         """Return log times, ns, and messages of a topic in any encoding, in the order of time."""
@@ -75,40 +71,31 @@ class Written:
     @property
     def topics(self) -> Counter[str]:
         """Messages by topic; a channel may have none."""
-        found = Counter({channel.topic: 0 for channel in self.channels.values()})
-        for number, rows in self.rows.items():
-            found[self.channels[number].topic] += len(rows)
+        found: Counter[str] = Counter()
+        for channel in self.channels.values():
+            found[channel.topic] += self.statistics.channel_message_counts.get(channel.id, 0)
         return found
 
 
 def read_written(path: Path) -> Written:
-    """Read a file and let the library check its checksums, those of the chunks included."""
-    written = Written()
+    """Read a file and let the library check the checksums of the chunks."""
     with path.open("rb") as stream:
-        for record in StreamReader(stream, validate_crcs=True).records:
-            match record:
-                case records.Header():
-                    written.profile = record.profile
-                case records.Schema():
-                    written.schemas[record.id] = record
-                case records.Channel():
-                    written.channels[record.id] = record
-                case records.Message():
-                    written.rows[record.channel_id].append(len(written.messages))
-                    written.messages.append(record)
-                case records.Attachment():
-                    written.attachments.append(record)
-                case records.Metadata():
-                    written.metadata.append(record)
-                case records.Statistics():
-                    written.statistics = record
-                case records.ChunkIndex():
-                    written.chunk_compressions.append(record.compression)
-                case _:
-                    pass
-    assert written.statistics is not None
+        reader = make_reader(stream, validate_crcs=True)
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        written = Written(
+            reader.get_header().profile,
+            summary.schemas,
+            summary.channels,
+            summary.statistics,
+            [message for *_, message in reader.iter_messages(log_time_order=False)],
+            list(reader.iter_attachments()),
+            list(reader.iter_metadata()),
+            [chunk.compression for chunk in summary.chunk_indexes],
+        )
+    counts = Counter(message.channel_id for message in written.messages)
     assert written.statistics.message_count == len(written.messages)
-    counts = {number: len(rows) for number, rows in written.rows.items()}
     assert written.statistics.channel_message_counts == counts
     return written
 

@@ -14,15 +14,11 @@ from mcap.writer import Writer
 
 from dogbot_logtool.commands.compare import compare
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.compare import CompareOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
-from tests.measured import measured
 from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, WALK
 from tests.paths import TROUBLED as LONG
@@ -90,23 +86,6 @@ def test_annotating_again_gives_the_same(
     converted(again, tmp_path / "third.mcap", encoding=encoding)
     # Chunks that hold only what was recorded are copied as they stand.
     assert (tmp_path / "third.mcap").read_bytes() == again.read_bytes()
-
-
-def figures(log: Path) -> dict[str, Any]:
-    done = measured(log) if log in {LONG, WALK} else measure(log, MeasureOptions())
-    found = stats_json(done)
-    # What a file is called and how it is packed is no figure; the rest is.
-    del found["log"]["path"], found["log"]["container"]
-    found["findings"] = [each for each in found["findings"] if each["code"] != "ANNOTATED"]
-    parsed: dict[str, Any] = json.loads(json.dumps(found))
-    return parsed
-
-
-@pytest.mark.parametrize(("log", "encoding"), [(LONG, "foxglove"), (LONG, "ros1"), (WALK, "ros2")])
-def test_figures_are_those_of_the_log_itself(
-    once_annotated: Once, log: Path, encoding: str
-) -> None:
-    assert figures(once_annotated(log, encoding)[0]) == figures(log)
 
 
 def repacked(log: Path, target: Path, chunk_size: int = 1 << 20, *, marked: bool = True) -> Path:

@@ -1,7 +1,6 @@
 """Options about topics and fields: what they choose, and what is said of those that do not fit."""
 
 import json
-import shlex
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,7 @@ from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.selection import Selection, select_topics
 from tests import forked_cli
-from tests.forked_cli import Ended
+from tests.forked_cli import Ended, command
 from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 
 LEGS = ("front_left", "front_right", "back_left", "back_right")
@@ -35,20 +34,6 @@ def selected(path: Path, options: RobotOptions, **topics: str) -> Selection:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     return tmp_path / "log.mcap"
-
-
-def test_options_choose(path: Path) -> None:
-    options = RobotOptions(
-        robot="generic",
-        odom_topic="/x",
-        foot={"paw": "/spare/0", "hind_left": "/spare/1"},
-        mass=12.5,
-    )
-    found = selected(path, options)
-    assert found.base_name == "/x"
-    assert {foot.name: foot.topic for foot in found.robot.feet} == options.foot
-    assert [foot.leg_position for foot in found.robot.feet] == [None, ("back", "left")]
-    assert found.robot.mass_kg == 12.5
 
 
 def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
@@ -84,13 +69,6 @@ def test_options_that_do_not_fit(path: Path, options: RobotOptions, said: str) -
 
 def run(*words: object) -> Ended:
     return forked_cli.run(*words, environment={"COLUMNS": "80"})
-
-
-def command(printed: str) -> list[str]:
-    """The words after the program's name of the one command that was printed in one piece."""
-    lines = [line for line in printed.splitlines() if line.lstrip().startswith("dogbot-logtool ")]
-    assert len(lines) == 1
-    return shlex.split(lines[0])[1:]
 
 
 def test_the_offered_command_can_be_typed(tmp_path: Path) -> None:

@@ -78,7 +78,7 @@ def noises() -> Iterator[Case]:
                    "saturat|highest value", skip="peak force, impulse, braking")
     for apart in (3, 4):
         yield Case(f"pairs of spikes, {apart} samples apart", Walk(seconds=20.0),
-                   (*SENSED, sensor.spike_pairs(300.0, 0.5, apart)), "spike",
+                   (*SENSED, sensor.spikes(300.0, 0.5, apart)), "spike",
                    "CONTACT_UNKNOWN|spike", COARSE,
                    "peak force, load share, impulse, lift-offs, stride length")
     slow = Walk(robot=quadruped(40.0), period_s=1.12, seconds=20.0, hump=0.0)

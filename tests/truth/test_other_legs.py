@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import dogbot_logtool as dl
-from tests.truth import physics, without_sensors
+from tests.truth import physics
 from tests.truth.free_walker import HALF_LENGTH, HALF_WIDTH, LINK, OFFSET, PERIOD_S, SIDES, trot
 from tests.truth.gaits import Gait
 from tests.truth.outcome import outcome
@@ -148,7 +148,7 @@ def test_gait_and_base_by_legs_alone(kind: str, source: str, tmp_path: Path) -> 
     if source == "kinematics":
         truth = replace(truth, torque=np.full_like(truth.torque, np.nan))
     stats: Any = dl.measure(
-        without_sensors.write_log(tmp_path / "log.mcap", truth), mass=truth.mass_kg
+        physics.write_bare_log(tmp_path / "log.mcap", truth), mass=truth.mass_kg
     ).stats
     assert (stats["settings"]["contact_from"], stats["gait"]["name"]) == (source, "trot")
     down = [foot["contact_fraction"] for foot in stats["feet"].values()]

@@ -10,9 +10,8 @@ import pytest
 import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import HALF_WIDTH, HEAVY_KG, LEGS_KG, OFFSET, PERIOD_S, quadruped, trot
-from tests.truth.physics import KEPT_S
+from tests.truth.physics import KEPT_S, resized
 from tests.truth.recording import Floats
-from tests.truth.without_sensors import resized
 
 
 @cache

@@ -14,9 +14,8 @@ from mcap_ros2.decoder import DecoderFactory
 import dogbot_logtool as dl
 from tests.truth.free_walker import HEAVY_KG, biped, quadruped
 from tests.truth.parts import urdf
-from tests.truth.physics import Physics
+from tests.truth.physics import Physics, resized, write_bare_log
 from tests.truth.recording import Floats
-from tests.truth.without_sensors import resized, write_log
 
 Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
 ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {
@@ -48,7 +47,7 @@ def robot(name: str) -> Physics:
 
 
 def measured(path: Path, walk: Physics, **options: Any) -> dl.Walk:
-    return dl.measure(write_log(path / "log.mcap", walk, **options))
+    return dl.measure(write_bare_log(path / "log.mcap", walk, **options))
 
 
 def codes(walk: dl.Walk) -> dict[str, str]:
@@ -194,7 +193,7 @@ def test_small_and_large_robots_turn(size: float, tmp_path: Path) -> None:
 
 
 def test_the_robot_walks_through_the_world_of_the_output(tmp_path: Path) -> None:
-    log = write_log(tmp_path / "log.mcap", robot("trot"))
+    log = write_bare_log(tmp_path / "log.mcap", robot("trot"))
     dl.convert(log, tmp_path / "out.mcap", encoding="ros2")
     with (tmp_path / "out.mcap").open("rb") as stream:
         messages = make_reader(stream, decoder_factories=[DecoderFactory()])
@@ -215,7 +214,7 @@ def test_an_inertial_unit_is_turned_as_the_description_says(tmp_path: Path) -> N
     )
     file = tmp_path / "robot.urdf"
     file.write_text(urdf(truth.parts).replace("</robot>", mount))
-    walk = dl.measure(write_log(tmp_path / "log.mcap", truth, imu_frame="imu"), urdf=file)
+    walk = dl.measure(write_bare_log(tmp_path / "log.mcap", truth, imu_frame="imu"), urdf=file)
     rate = truth.base_velocity[:, 2].mean()
     assert walk.stats["base"]["yaw_rate_radps"] == pytest.approx(rate, abs=0.01)
     assert abs(walk.stats["base"]["roll_rad"]["median"]) < 0.02

@@ -22,9 +22,9 @@ from tests.paths import ROOT
 from tests.truth.cases import groups
 from tests.truth.judging import faults, judge
 from tests.truth.outcome import measured_log, nearest, outcome
+from tests.truth.physics import write_bare_log
 from tests.truth.recording import Floats
 from tests.truth.test_without_sensors import ROBOTS, SOURCES, force_error_bw
-from tests.truth.without_sensors import write_log
 
 REACH_S: Final = 0.15
 _SUFFIX: Final = ".events.json"
@@ -134,7 +134,7 @@ def without_sensors() -> str:
         for name, run in ROBOTS.items():
             truth = run()
             for source, change in SOURCES.items():
-                path = write_log(Path(folder) / "log.mcap", truth.telling(change))
+                path = write_bare_log(Path(folder) / "log.mcap", truth.telling(change))
                 walk = dl.measure(path)
                 stats = walk.stats
                 feet = [foot["contact_fraction"] for foot in stats["feet"].values()]

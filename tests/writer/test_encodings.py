@@ -38,7 +38,7 @@ from dogbot_logtool.writer.template import (
 )
 from tests.oracles import walks
 from tests.oracles.annotated_file import read_written
-from tests.oracles.ros1_logs import write_standing_log
+from tests.oracles.small_logs import write_standing_log
 
 NS = 1_000_000_000
 KIND = MessageType("a/B", "ros1msg", b"", "ros1")

@@ -4,7 +4,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints
+from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite, interpolated
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
@@ -55,15 +55,11 @@ class FootPath(NamedTuple):
         """Interpolate linearly; time's shape and 3, m; NaN in silences and outside."""
         if len(self.time) == 0:
             return np.full((*time.shape, 3), np.nan)
-        most = len(self.time) - 1
-        after = np.clip(np.searchsorted(self.time, time), min(1, most), most)
-        before = np.maximum(after - 1, 0)
-        step = np.maximum(self.time[after] - self.time[before], 1)
-        share = ((time - self.time[before]) / step)[..., None]
-        position = self.position[before] + share * (self.position[after] - self.position[before])
+        position = interpolated(time, self.time, self.position)
+        after = np.minimum(np.searchsorted(self.time, time), len(self.time) - 1)
         outside = (time < self.time[0]) | (time > self.time[-1]) | self.broken[after]
         position[outside] = np.nan
-        return np.asarray(position)
+        return position
 
     def unbroken(self, start: Ints, end: Ints) -> Flags:
         """(m,) whether the path is known all the way between two times each."""
@@ -92,7 +88,7 @@ def path_in_base(time: Ints, position: Floats | Float32s, base: BaseHistory) -> 
 
 def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
     """Return the path of the times whose positions are known."""
-    known = np.isfinite(position).all(axis=1)
+    known = all_finite(position)
     return FootPath(time[known], position[known], silent_before(time[known]))
 
 

@@ -7,10 +7,13 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, all_finite, interpolated, median_of
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.core.settings import WalkSettings
 
 LOWEST_M: Final = 1e-3
 """m, lowest usual height of a base over its feet."""
@@ -144,9 +147,8 @@ class MovingGround(NamedTuple):
 
     def displacement_at(self, time: Ints) -> Floats:
         """Return where the ground has moved to, (m, 3) m; before and after, it stands."""
-        since = (self.time - self.time[0]).astype(np.float64)
-        flat = [np.interp(time - self.time[0], since, axis) for axis in self.displacement.T]
-        return np.stack([*flat, np.zeros(len(time))], axis=1)
+        flat = interpolated(time, self.time, self.displacement)
+        return np.column_stack([flat, np.zeros(len(time))])
 
     def on_ground(self, base: BaseHistory) -> BaseHistory:
         """Return poses against the ground."""
@@ -202,3 +204,70 @@ def _velocities(foot: FootHistory) -> tuple[Ints, Floats]:
     seconds = (time[last] - time[first])[:, None] / 1e9
     middle = (begin + (end - begin) // 2)[spans_samples]
     return middle, (point[last, :2] - point[first, :2]).astype(np.float64) / seconds
+
+
+STRAIGHT: Final = 0.9
+"""Net way over path of a base that goes straight."""
+CLEARLY: Final = 2.0
+"""Times by which one direction exceeds the other where the forward axis is clear."""
+
+
+def with_forward_axis(
+    settings: WalkSettings,
+    base: BaseHistory,
+    feet: Sequence[FootHistory],
+    motion: Base | None,
+    *,
+    in_one_world: bool,
+) -> WalkSettings:
+    """Let the fore and hind feet's contact points correct a guessed forward axis.
+
+    Args:
+        settings: with the forward axis of the robot.
+        base: poses.
+        feet: histories of all feet.
+        motion: of the base along that axis; None: not known.
+        in_one_world: whether base and contact points are, so that these tell of the body.
+    """
+    if not settings.forward_axis_is_assumed or not in_one_world:
+        return settings
+    places = usual_places(base, feet, [foot.leg_position for foot in settings.feet])
+    front, back = ([places[p] for p in places if p[0] == end] for end in ("front", "back"))
+    if not (front and back) or not (motion is None or has_heading(motion)):
+        return settings
+    measured = nearest_axis(np.mean(front, axis=0) - np.mean(back, axis=0))
+    if measured is None:
+        return settings
+    if measured == settings.forward_axis:
+        return replace(settings, forward_axis_is_assumed=False)
+    because = "the fore feet are on that side of the hind feet"
+    reason = f"{settings.forward_axis} of the guessed robot is not forward here: {because}"
+    return replace(settings, forward_axis=measured, forward_axis_reason=reason)
+
+
+def has_heading(motion: Base) -> bool:
+    """Tell whether the heading turns with the way: one that never turns beside a bend is none."""
+    net, path = motion.net_displacement_m or 0.0, motion.path_length_m or 0.0
+    return bool(motion.yaw_rate_radps) or net >= STRAIGHT * path
+
+
+def usual_places(
+    base: BaseHistory, feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
+) -> dict[LegPosition, Floats]:
+    """Return the mean of each foot's contact points, (2,) m along the body's x and y."""
+    seen = [seen_from_base(foot, base)[1] for foot in feet]
+    return {
+        position: place.mean(axis=0)
+        for place, position in zip(seen, positions, strict=True)
+        if position is not None and len(place)
+    }
+
+
+def nearest_axis(direction: Floats) -> str | None:
+    """Return the axis that a (2,) direction in the body clearly follows; None: it does not."""
+    x, y = direction.tolist()
+    if max(abs(x), abs(y)) <= CLEARLY * min(abs(x), abs(y)):
+        return None
+    if abs(x) > abs(y):
+        return "+x" if x > 0.0 else "-x"
+    return "+y" if y > 0.0 else "-y"

@@ -1,4 +1,4 @@
-"""How the base moved: path, speed, height, attitude. From poses, never from the recorded twist."""
+"""How the base moved and fell: path, speed, height, attitude. From poses, never from the twist."""
 
 from collections.abc import Sequence
 from math import hypot
@@ -7,7 +7,15 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, flagged_runs, median_of
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Ints,
+    aggregate,
+    flagged_runs,
+    median_of,
+    percentiles_of,
+)
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -177,3 +185,198 @@ def stride_lengths(base: BaseHistory, touchdown: Ints, end: Ints) -> Floats:
     travel = base.position_at(end) - base.position_at(touchdown)
     length: Floats = np.hypot(travel[:, 0], travel[:, 1])
     return length
+
+
+TILT_RAD: Final = np.pi / 3.0
+"""A base that leans further lies."""
+UPRIGHT_RAD: Final = np.pi / 6.0
+"""A base that leans less may stand."""
+LYING: Final = 0.4
+"""A base below this share of its standing height over the feet lies, or sits."""
+STANDING: Final = 0.8
+"""A base above this share stands."""
+SWAYS: Final = 0.95
+"""A base below this share of its standing height is on its way down."""
+SWAYS_RAD: Final = 0.1
+"""rad more than its usual lean: the same."""
+STANDING_PERCENT: Final = 90.0
+"""Quantile of the height while feet are loaded that is the standing height."""
+LASTING_NS: Final = 300_000_000
+"""A fall lasts; a single wrong pose does not make one."""
+SLOWEST_FALL: Final = 4.0
+"""Times the duration of a free fall from which a descent is sitting down."""
+SLOWEST_UPRIGHT_FALL: Final = 2.0
+"""The same of a base that keeps upright: legs that give way all at once."""
+LEANS_RAD: Final = 0.25
+"""A base that leans less on its way down, and when it is down, keeps upright."""
+TOPPLES_NS: Final = 3_000_000_000
+"""From upright to lying on a side, at most; what is slower is laid down."""
+LOADED_NS: Final = 500_000_000
+"""Time before a fall in which a foot must be loaded: a robot that is carried does not fall."""
+
+
+@np.errstate(invalid="ignore")
+def fallen_spans(
+    base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats, jumps: Ints
+) -> Ints:
+    """Find the spans in which the robot lies because it fell.
+
+    A fall is a descent from standing to lying, of a robot whose feet were loaded: as fast as a
+    fall is where the height tells it, or over onto a side. Sitting down is slower; a robot that is
+    lifted or carried has no loaded foot; one that lies from the beginning did not fall here.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        height_m: (n,) of the base over the feet, at each pose; NaN where not known.
+        jumps: (j, 2) ns, jumps of the pose; a height that jumps is no fall.
+
+    Returns:
+        (f, 2) ns, from the beginning of the descent until it lies no more.
+    """
+    time, tilt = base.time, tilt_rad(base.angles)
+    if len(time) < 2 or not (tilt < UPRIGHT_RAD).any():
+        return timespans.no_spans()
+    usual_m = _standing_height_m(base, feet, height_m)
+    stands = _stands(tilt, height_m / usual_m)
+    sways = (tilt >= median_of(tilt[tilt < UPRIGHT_RAD]) + SWAYS_RAD) | (height_m < SWAYS * usual_m)
+    lies = (tilt > TILT_RAD) | (height_m < LYING * usual_m)
+    free_fall_ns = 1e9 * np.sqrt(2.0 * (STANDING - LYING) * usual_m / GRAVITY_MPS2)
+    falls = []
+    for start, end in timespans.spans_where(time, lies[:-1]).tolist():
+        row, settled = np.searchsorted(time, [start, start + LASTING_NS + 1]).tolist()
+        stood = np.flatnonzero(stands[:row])
+        if end - start < LASTING_NS or not len(stood):
+            continue
+        since, topples = int(time[stood[-1]]), tilt[row] > TILT_RAD
+        leans = (tilt[stood[-1] : settled] > LEANS_RAD).any()
+        slowest = SLOWEST_FALL if leans else SLOWEST_UPRIGHT_FALL
+        # Of a height that is not known no descent is fast.
+        is_fast = start - since <= (TOPPLES_NS if topples else slowest * free_fall_ns)
+        descent = np.array([[since, start]], np.int64)
+        jumped = timespans.touches(descent, jumps[:, 0] + 1, jumps[:, 1] - 1).any()
+        if is_fast and (topples or not jumped) and _are_loaded(feet, since - LOADED_NS, start):
+            steady = time[: stood[-1] + 1][~sways[: stood[-1] + 1]]
+            began = int(steady[-1]) if len(steady) else since
+            falls.append((began if since - began <= TOPPLES_NS else since, end))
+    return timespans.merge(np.array(falls, np.int64).reshape(-1, 2))
+
+
+def down_spans(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> Ints:
+    """(k, 2) ns, spans in which the robot does not stand upright and high: it lies, or goes down.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        height_m: (n,) of the base over the feet, at each pose; NaN where not known.
+    """
+    if len(base.time) < 2:
+        return timespans.no_spans()
+    share = height_m / _standing_height_m(base, feet, height_m)
+    return timespans.spans_where(base.time, ~_stands(tilt_rad(base.angles), share)[:-1])
+
+
+def _stands(tilt: Floats, share: Floats) -> Flags:
+    """(n,) whether it is upright, and as high over its feet as a robot that stands, if known."""
+    return np.asarray((tilt < UPRIGHT_RAD) & ~(share < STANDING))
+
+
+def tilt_rad(angles: Floats) -> Floats:
+    """(n,) rad, angle of the body's z axis against the vertical."""
+    up = np.cos(angles[:, 0]) * np.cos(angles[:, 1])
+    return np.asarray(np.arccos(np.clip(up, -1.0, 1.0)))
+
+
+def _standing_height_m(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> float:
+    """Return the height at which the robot stands, high and with a loaded foot; NaN: not known."""
+    loaded = timespans.merge(np.concatenate([timespans.no_spans(), *(f.in_contact for f in feet)]))
+    known = height_m[timespans.covers(loaded, base.time) & np.isfinite(height_m)]
+    return float(percentiles_of(known, STANDING_PERCENT)) if len(known) else np.nan
+
+
+def _are_loaded(feet: Sequence[FootHistory], start: int, end: int) -> bool:
+    """Tell whether a foot is loaded between two times, ns; yes where that is not known."""
+    span = np.array([[start, end]], np.int64)
+    known = [foot for foot in feet if timespans.total(timespans.intersect([foot.known, span]))]
+    loaded = [timespans.total(timespans.intersect([foot.in_contact, span])) for foot in known]
+    return not known or any(loaded)
+
+
+LAST_S: Final = 2.0
+"""s before the end in which tipping begins; what was before is usual."""
+USUAL_S: Final = 2.0
+"""s that must come before."""
+BEYOND_RAD: Final = 0.1
+"""rad beyond the usual range."""
+RISING_S: Final = 0.3
+"""s before the end in which the angle must grow."""
+_RISES_RAD: Final = 0.02
+
+
+class Tipping(NamedTuple):
+    """A roll or pitch that leaves its usual range and does not return."""
+
+    since: int
+    """ns, when it leaves its usual range."""
+    angle: str
+    """``roll`` or ``pitch``."""
+    last_rad: float
+    """rad, at the end of the recording."""
+
+
+def find_tipping(base: BaseHistory, forward_rad: float) -> Tipping | None:
+    """Return how the robot tips at the end of the recording; None: it does not.
+
+    An angle counts that leaves the range of all the time before, and is still growing at the end.
+    """
+    if len(base.time) < 3 or base.time[-1] - base.time[0] < (LAST_S + USUAL_S) * 1e9:
+        return None
+    angles = np.stack(roll_and_pitch(base.angles, forward_rad), axis=1)
+    usual = angles[base.time < base.time[-1] - LAST_S * 1e9]
+    beyond = np.maximum(angles - usual.max(axis=0), usual.min(axis=0) - angles)
+    earlier = np.searchsorted(base.time, base.time[-1] - RISING_S * 1e9)
+    tips = (beyond[-1] >= BEYOND_RAD) & (beyond[-1] - beyond[earlier] >= _RISES_RAD)
+    if not tips.any():
+        return None
+    angle = int(np.where(tips, np.abs(angles[-1]), -1.0).argmax())
+    first = np.flatnonzero(beyond[:, angle] <= 0.0)[-1] + 1
+    return Tipping(int(base.time[first]), ("roll", "pitch")[angle], float(angles[-1, angle]))
+
+
+STEEP_RAD: Final = np.radians(45.0)
+"""No legged robot walks with its back so steep."""
+FEWEST_STEPS: Final = 4
+"""Touchdowns of a foot, while the base leans so far."""
+UPSETS_NS: Final = 1_000_000_000
+"""From upright to lying, a robot falls in less."""
+
+
+def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | None:
+    """Return how far the base leans at most while most feet walk on, rad.
+
+    A robot that fell may move its legs; it came down all at once. One that walks on has poses whose
+    z axis is not up: those of motion capture with y up, say.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+
+    Returns:
+        None where it does not lean, or hardly any foot walks on.
+    """
+    if not len(base.time):
+        return None
+    tilt = tilt_rad(base.angles)
+    steep = timespans.spans_where(base.time, tilt[:-1] > STEEP_RAD)
+    if not len(steep) or _topples(base, tilt):
+        return None
+    down = [foot.stances.touchdown for foot in feet if len(foot.stances.touchdown)]
+    walking = [timespans.covers(steep, each).sum() >= FEWEST_STEPS for each in down]
+    return float(tilt.max()) if 2 * sum(walking) > len(walking) else None
+
+
+def _topples(base: BaseHistory, tilt: Floats) -> bool:
+    """Tell whether the base leans all at once, as in a fall; a turn on the spot is slower."""
+    lies = np.flatnonzero(tilt > TILT_RAD)
+    stood = np.flatnonzero(tilt[: lies[0]] < UPRIGHT_RAD) if len(lies) else lies
+    return len(stood) > 0 and bool(base.time[lies[0]] - base.time[stood[-1]] < UPSETS_NS)

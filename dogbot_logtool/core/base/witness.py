@@ -19,6 +19,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     distinct,
+    interpolated,
     median_of,
     median_of_known,
     norms,
@@ -106,7 +107,7 @@ def by_points(
     if len(time) < FEWEST_FOOTFALLS:
         return None
     # (t, f, 3) m, where each foot's point is.
-    places = np.stack([_interpolated(*tracks[row], time) for row in used], axis=1)
+    places = np.stack([interpolated(time, *tracks[row]) for row in used], axis=1)
     centre = places.mean(axis=1)
     away = places - centre[:, None, :]
     turns = len(used) > 1 and float(median_of(np.abs(away[:, :, :2]).max(axis=1))) > _SPREAD_M
@@ -119,7 +120,7 @@ def by_points(
         heading = _heading(unturned.mean(axis=0), [positions[row] for row in used])
         angles[:, 2] += heading or 0.0
     elif len(base.time):
-        angles[:, 2] = np.interp(time - time[0], base.time - time[0], base.angles[:, 2])
+        angles[:, 2] = interpolated(time, base.time, base.angles[:, 2:])[:, 0]
     poses = BaseHistory(time, centre, angles)
     return Witness(poses, POINTS, heading is not None, turns)
 
@@ -137,12 +138,6 @@ def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     both = np.repeat(place, 2, axis=0)
     kept = np.concatenate([[True], np.diff(twice) > 0])
     return twice[kept], both[kept]
-
-
-def _interpolated(at: Ints, place: Floats, time: Ints) -> Floats:
-    """(t, 3) m, linearly between footfalls."""
-    since = (at - at[0]).astype(np.float64)
-    return np.stack([np.interp(time - at[0], since, axis) for axis in place.T], axis=1)
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:
@@ -193,8 +188,7 @@ def by_legs(
     tells_turn = bool(np.isfinite(legs.turn_rate[:, 2]).mean() > 0.5)
     angles = np.zeros((len(time), 3))
     if len(base.time):
-        columns = [np.interp(time - time[0], base.time - time[0], each) for each in base.angles.T]
-        angles = np.stack(columns, axis=1)
+        angles = interpolated(time, base.time, base.angles)
     if not tells_turn and len(base.time) > 1:
         rates = np.zeros((len(time), 3))
         rates[:, 2] = np.gradient(angles[:, 2], (time - time[0]) / 1e9)
@@ -251,9 +245,12 @@ def find_frozen(
     """
     if not period_s or len(base.time) < 2:
         return timespans.no_spans()
-    spans = _one_pose(base, SHORTEST_STRIDES * period_s * 1e9)
-    steps = [_touchdowns(feet, span) >= FEWEST_TOUCHDOWNS for span in spans]
-    spans = spans[np.array(steps, np.bool_)]
+    poses = np.column_stack([base.position, base.angles])
+    spans: Ints = timespans.spans_where(base.time, (np.diff(poses, axis=0) == 0.0).all(axis=1))
+    spans = spans[spans[:, 1] - spans[:, 0] >= SHORTEST_STRIDES * period_s * 1e9]
+    steps = [np.diff(np.searchsorted(foot.stances.touchdown, spans))[:, 0] for foot in feet]
+    most = np.reshape(steps, (len(feet), len(spans))).max(axis=0, initial=0)
+    spans = spans[most >= FEWEST_TOUCHDOWNS]
     if witness is None or not len(spans):
         return spans
     motion = motion_in(witness.poses, stride_windows(spans, period_s))
@@ -268,23 +265,6 @@ def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
     inside = timespans.covers(spans, base.time - 1) | timespans.covers(spans, base.time)
     rows = np.flatnonzero(~inside)
     return base.pick(rows) if len(rows) > 1 else base.without_poses()
-
-
-def _one_pose(base: BaseHistory, shortest_ns: float) -> Ints:
-    """(s, 2) ns, spans of one pose."""
-    same = (np.diff(base.position, axis=0) == 0.0).all(axis=1)
-    same &= (np.diff(base.angles, axis=0) == 0.0).all(axis=1)
-    spans = timespans.spans_where(base.time, same)
-    return spans[spans[:, 1] - spans[:, 0] >= shortest_ns]
-
-
-def _touchdowns(feet: Sequence[FootHistory], span: Ints) -> int:
-    """Return the most touchdowns of one foot in a span, (2,) ns."""
-    counts = [
-        int(((each.stances.touchdown > span[0]) & (each.stances.touchdown < span[1])).sum())
-        for each in feet
-    ]
-    return max(counts, default=0)
 
 
 FEWEST_STRIDES: Final = 2
@@ -347,13 +327,12 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
         return Motion(unknown + 0j, unknown, unknown)
     ahead, left, _ = base.steps(forward_rad)
     path = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
-    edges = windows - base.time[0]
-    since = (base.time - base.time[0]).astype(np.float64)
-    outside = (edges[:, 0] < 0) | (edges[:, 1] > since[-1])
+    outside = (windows[:, 0] < base.time[0]) | (windows[:, 1] > base.time[-1])
     outside |= timespans.touches(base.gaps, windows[:, 0], windows[:, 1])
-    columns = path, base.angles[:, 2], base.position[:, 2]
-    changes = [np.diff(np.interp(edges, since, each))[:, 0] for each in columns]
-    return Motion(*(np.where(outside, np.nan, each) for each in changes))
+    columns = np.column_stack([path.real, path.imag, base.angles[:, 2], base.position[:, 2]])
+    changes = np.diff(interpolated(windows, base.time, columns), axis=1)[:, 0]
+    changes[outside] = np.nan
+    return Motion(changes[:, 0] + 1j * changes[:, 1], changes[:, 2], changes[:, 3])
 
 
 class Comparison(NamedTuple):

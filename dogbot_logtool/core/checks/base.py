@@ -1,13 +1,35 @@
 """Checks of the base among the contact points, of its axes, and of what happens to it."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.axes import has_heading, usual_places
-from dogbot_logtool.core.base.witness import POINTS
+from dogbot_logtool.core.arrays import (
+    Floats,
+    Ints,
+    all_finite,
+    median_of,
+    median_of_known,
+    norms,
+    percentiles_of,
+)
+from dogbot_logtool.core.base.ground import has_heading, usual_places
+from dogbot_logtool.core.base.leg_odometry import turns_and_up
+from dogbot_logtool.core.base.witness import (
+    LEGS,
+    POINTS,
+    SWINGS,
+    Comparison,
+    Motion,
+    by_twist,
+    compare,
+    motion_in,
+    stride_windows,
+)
+from dogbot_logtool.core.consistency import STEADY, trend
+from dogbot_logtool.core.rotations import rotate
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
 
@@ -128,3 +150,262 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
         words: Words = {"settings": settings, "base": base, "side": side, "speed": abs(left)}
         cases = ("assumed",) if settings.forward_axis_is_assumed else ()
         yield found("FORWARD_AXIS", *cases, where=where, say="sideways", **words)
+
+
+WINDOW_S: Final = 1.0
+"""s, in place of strides where none are known."""
+SCALES: Final = (0.8, 1.25)
+"""Ways by poses over those by a witness that are alike: feet roll and slip."""
+ASIDE_RAD: Final = np.radians(10.0)
+"""A way that is less off its witness's is as good as mountings are."""
+LEVEL_RAD: Final = 0.03
+"""Of a treadmill, on which a base goes neither up nor down."""
+
+
+def treadmill(walk: Walk) -> Iterator[Finding]:
+    """Yield that the ground moves below a base that rests."""
+    if walk.ground is not None:
+        level = walk.base is not None and (walk.base.slope_rad or 0.0) < LEVEL_RAD
+        cases = () if level else ("leans",)
+        yield found("TREADMILL", *cases, where="base", speed=walk.ground.speed_mps)
+
+
+def frozen(walk: Walk) -> Iterator[Finding]:
+    """Yield that one pose is repeated while the robot walks on."""
+    if not len(walk.frozen):
+        return
+    cases = () if walk.base_by_feet else ("whole",) if walk.base is None else ("part",)
+    seconds, at = timespans.total(walk.frozen) / 1e9, walk.seconds(walk.frozen[:, 0])[0]
+    steps = sum(len(record.stances.touchdown) for record in walk.records)
+    yield _doubted(walk, "POSE_FROZEN", *cases, seconds=seconds, at=at, steps=steps)
+
+
+FEWEST_A_STRIDE: Final = 4.0
+"""Distinct poses a stride from which they tell of attitude and height."""
+MOST_OF_LOG: Final = 0.03
+"""Share of the log that lies between two distinct poses from which its whole path is not known."""
+
+
+def rate(walk: Walk) -> Iterator[Finding]:
+    """Yield that poses are rare, or that most messages repeat the one before."""
+    poses, period_s = walk.base_history, walk.period_s
+    interval_s = poses.interval_s
+    if not len(poses.time) or not period_s or not interval_s:
+        return
+    per_stride = period_s / interval_s
+    cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
+    if interval_s > MOST_OF_LOG * float(np.ptp(poses.time)) / 1e9:
+        # Where the base goes after the last pose is not known.
+        cases = (*cases, "short")
+    if poses.repeated or cases:
+        say = "plain" if poses.repeated else "rare"
+        rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
+        yield found("POSE_REPEATED", *cases, where="base", say=say, poses=poses, rates=rates)
+
+
+def pose_jumps(walk: Walk) -> Iterator[Finding]:
+    """Yield that the pose jumps."""
+    jumps = walk.jumps
+    if len(jumps.spans):
+        size, turn = norms(jumps.size_m), np.abs(jumps.turn_rad)
+        yield found(
+            "POSE_JUMP",
+            where="base.path_length_m",
+            jumps=len(jumps.spans),
+            metres=size.max(),
+            degrees=np.degrees(turn).max(),
+            at=walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
+        )
+
+
+def contradicted(walk: Walk) -> Iterator[Finding]:
+    """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
+    windows = _windows(walk)
+    if not len(windows) or walk.ground is not None or walk.base_by_feet:
+        return
+    own, feet = motion_in(walk.poses, windows, walk.settings.forward_rad), _by_feet(walk, windows)
+    way = feet if feet is not None and feet.tells_way else _by_twist(walk, windows, own)
+    yield from _scale(walk, own, way)
+    if way is not None and abs(way.direction_rad) > ASIDE_RAD:
+        degrees = abs(np.degrees(way.direction_rad))
+        side = "left" if way.direction_rad > 0.0 else "right"
+        yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=way)
+    yield from _orientation(walk, own, feet, windows)
+    yield from _planar(walk, feet, windows)
+    if feet is not None and not (walk.settings.contact_from or walk.settings.base_from_legs):
+        yield from _climb(walk, feet)
+
+
+def feet_agree(walk: Walk) -> bool:
+    """Tell whether feet that stand, by their contacts, go back as the poses go ahead."""
+    feet = _by_feet(walk, _windows(walk)) if walk.ground is None else None
+    return feet is not None and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
+
+
+def _windows(walk: Walk) -> Ints:
+    """(k, 2) ns, strides one after another while the robot walks; without any, windows."""
+    period_s = walk.period_s
+    if len(walk.poses.time) < 2:
+        return timespans.no_spans()
+    if not period_s:
+        return stride_windows(walk.poses.known, WINDOW_S)
+    return stride_windows(timespans.merge(walk.strides), period_s)
+
+
+def _by_feet(walk: Walk, windows: Ints) -> Comparison | None:
+    """Compare the poses with the base's motion by its feet; None: these do not tell it."""
+    feet, forward_rad = walk.witness, walk.settings.forward_rad
+    if feet is None or not len(windows):
+        return None
+    own = motion_in(walk.poses, windows, forward_rad)
+    # Legs tell of the body's own axes, contact points of where fore and hind feet are.
+    reference = motion_in(feet.poses, windows, forward_rad if feet.by == LEGS else 0.0)
+    reach_m = SWINGS if walk.worlds is None else min(SWINGS, walk.worlds.spread_m)
+    return compare(feet.by, own, reference, tells_heading=feet.tells_heading, reach_m=reach_m)
+
+
+def _by_twist(walk: Walk, windows: Ints, own: Motion) -> Comparison | None:
+    """Compare the poses with the twist beside them; None: there is none that goes anywhere."""
+    twist = by_twist(walk.poses)
+    if twist is None:
+        return None
+    reference = motion_in(twist, windows, walk.settings.forward_rad)
+    compared = compare("the twist beside them", own, reference, tells_heading=True)
+    return compared if compared is not None and compared.tells_way else None
+
+
+FURTHEST_LEGS: Final = 5.0
+"""Lengths of a leg that no robot goes in a stride."""
+LONGEST_LEG_M: Final = 0.25
+"""m, of a robot of 1 kg; of others it grows with the cube root of their mass."""
+HEAVIEST_KG: Final = 200.0
+"""Assumed where the mass is not known."""
+
+
+def _scale(walk: Walk, own: Motion, way: Comparison | None) -> Iterator[Finding]:
+    """Yield that poses go further, or less far, than the feet walk or the twist tells."""
+    length_m = float(median_of_known(np.abs(own.displacement), axis=0))
+    longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
+    factor = 1.0 if way is None else way.scale
+    if not SCALES[0] <= factor <= SCALES[1]:
+        metres = 1.0 / factor
+        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=way, metres=metres)
+    elif walk.period_s and length_m > longest:
+        yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
+
+
+TURNS_RAD: Final = np.radians(20.0)
+"""A course that turns by more tells whether the orientation turns with it."""
+TURNS_WITH: Final = 0.5
+"""Least share of a witness's turn that is the same turn."""
+CLIMBS_M: Final = 0.05
+"""m that feet rise or fall from which poses that keep their z are planar."""
+
+
+def _orientation(
+    walk: Walk, own: Motion, feet: Comparison | None, windows: Ints
+) -> Iterator[Finding]:
+    """Yield that the orientation does not turn although the robot does."""
+    by, told, turns = "the gyroscope", _inertial(walk, windows)[0], own.turn
+    if feet is not None and walk.witness is not None and walk.witness.tells_turn:
+        by, told, turns = feet.by, feet.reference.turn, feet.own.turn
+    both = np.isfinite(told) & np.isfinite(turns)
+    turned, own_turn, least = float(told[both].sum()), float(turns[both].sum()), TURNS_RAD
+    is_constant = walk.period_s and not np.ptp(walk.poses.angles, axis=0).any()
+    if is_constant and not np.nan_to_num(told).any():
+        course = np.unwrap(np.angle(own.displacement[np.abs(own.displacement) > CLIMBS_M]))
+        by, turned, least = "its course", float(np.diff(course).sum()), 2.0 * TURNS_RAD
+    if abs(turned) > least and own_turn * np.sign(turned) < TURNS_WITH * abs(turned):
+        own_deg, deg = np.degrees([own_turn, turned]).tolist()
+        yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
+
+
+def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
+    """(k,) rad turned and (k, 3) up by the inertial unit; NaN: not known. See `turns_and_up`."""
+    own = walk.corrected.inertial
+    if own is not None and len(windows):
+        return turns_and_up(own.time, own.vector, own.turn_rate, windows)
+    return np.full(len(windows), np.nan), np.full((len(windows), 3), np.nan)
+
+
+LEAST_SLOPE_RAD: Final = ASIDE_RAD / 3.0
+"""Lean of the feet's plane that contact points tell surely."""
+LEANS_RAD: Final = np.radians(5.0)
+"""An accelerometer that leans by more does not sit on a level base; mountings are as good."""
+UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
+
+
+def _planar(walk: Walk, feet: Comparison | None, windows: Ints) -> Iterator[Finding]:
+    """Yield that poses are those of a plane: z, roll and pitch never change."""
+    poses = walk.poses
+    flat = np.column_stack([poses.position[:, 2], poses.angles[:, :2]])
+    if walk.period_s is None or float(np.ptp(flat, axis=0).max()) > 0.0:
+        return
+    climb = float(feet.reference.rise.sum()) if feet is not None and feet.by == POINTS else 0.0
+    slope = (walk.base and walk.base.slope_rad) or 0.0
+    while_feet = ""
+    if abs(climb) > CLIMBS_M:
+        while_feet = f", while the feet go {climb:+.2f} m up"
+    elif walk.witness is not None and slope > LEAST_SLOPE_RAD:
+        while_feet = f", while the feet's plane leans by {np.degrees(slope):.0f} degrees"
+    elif (lean := _leans_rad(walk, windows)) > LEANS_RAD:
+        while_feet = f", while the accelerometer leans by {np.degrees(lean):.0f} degrees"
+    if while_feet or poses.position[0, 2] == 0.0:
+        cases = ("contradicted",) if while_feet else ()
+        where = "base.climb_m"
+        yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
+
+
+def _leans_rad(walk: Walk, windows: Ints) -> float:
+    """Return how far the accelerometer leans in a quarter of the strides or more, rad.
+
+    Where its mounting is known, from the base's upright; else from its own usual direction.
+    """
+    _, up = _inertial(walk, windows)
+    up, inertial = up[all_finite(up)], walk.recording.accelerations
+    if not len(up) or inertial is None:
+        return 0.0
+    usual, mounting = median_of(up, axis=0), walk.settings.imu_mounting
+    if mounting is not None:
+        up = rotate(np.array([mounting]), up)
+    if mounting is not None or [f.lstrip("/") for f in inertial.frames] == [walk.frames.base]:
+        usual = UPRIGHT
+    cosine = np.clip(up @ usual / np.linalg.norm(usual), -1.0, 1.0)
+    return float(percentiles_of(np.arccos(cosine), 75.0))
+
+
+MOST_RISE_M: Final = 0.1
+"""m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
+what a lean that is some degrees off makes of it."""
+MOST_RISE: Final = 0.05
+RISES: Final = 0.2
+"""Share of its height by which a base that rises steadily over its feet does not do it itself."""
+FEWEST_STRIDES: Final = 4
+
+
+def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
+    """Yield that z of the poses goes away from where the feet lift the base."""
+    rise = np.cumsum(feet.own.rise - feet.reference.rise)
+    metres, height = float(rise[-1]), walk.base and walk.base.height_m
+    if feet.by == LEGS and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]:
+        if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
+            words: Words = {"say": "legs", "metres": metres, "told": feet}
+            yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
+    elif feet.by == POINTS and height and abs(metres) > RISES * height.median:
+        # A robot that crouches, or stretches its legs, does so at once.
+        _, steadiness = trend(rise[:, None])
+        if feet.strides >= FEWEST_STRIDES and steadiness >= STEADY:
+            words = {"say": "rises" if metres > 0.0 else "sinks", "metres": abs(metres)}
+            yield found("WORLDS_DIFFER", "drifts", where="base.height_m", **words)
+
+
+def _doubted(
+    walk: Walk,
+    code: str,
+    *cases: str,
+    **values: Any,  # noqa: ANN401 - as `found` has it
+) -> Finding:
+    """Return a finding about the poses, and about the feet whose places rest on them."""
+    names = () if walk.base_by_feet else walk.feet_on_poses
+    placed = ("placed",) if names else ()
+    return found(code, *cases, *placed, where="base", feet=names, **values)

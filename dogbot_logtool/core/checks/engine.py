@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.checks import base, beside, clock, feet, poses, sensors
+from dogbot_logtool.core.checks import base, feet, recorded, sensors
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import vertical_is_known
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
@@ -24,7 +24,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Severity
 
 Check = Callable[[Walk], Iterator[Finding]]
-MODULES: Final = (clock, base, poses, sensors, feet, beside)
+MODULES: Final = (base, sensors, feet, recorded)
 CHECKS: Final[tuple[Check, ...]] = tuple(
     each
     for module in MODULES

@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of, median_of_known
-from dogbot_logtool.core.base.falls import down_spans
-from dogbot_logtool.core.checks.poses import feet_agree
+from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
+from dogbot_logtool.core.base.motion import down_spans
+from dogbot_logtool.core.checks.base import feet_agree
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
 from dogbot_logtool.core.sensors import HEAVILY_FILTERED
@@ -76,13 +76,13 @@ def filtered(walk: Walk) -> Iterator[Finding]:
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:
-    """Yield feet of which no message tells, or none that can be used."""
+    """Yield feet with a topic of which no message tells, or none that can be used."""
     for row, foot in enumerate(walk.feet):
-        record, on = foot.record, f" on {foot.topic}" if foot.topic else ""
+        record = foot.record
         unusable = record.start is None and not walk.settings.feet[row].rule.unusable
-        if not record.messages or unusable:
+        if foot.topic and (not record.messages or unusable):
             say = "unusable" if record.messages else "plain"
-            yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), on=on)
+            yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), topic=foot.topic)
 
 
 def some_feet(walk: Walk) -> Iterator[Finding]:
@@ -189,8 +189,6 @@ DANGLES_S: Final = 1.0
 """s without a foot on the ground; no gait flies for so long."""
 STAYS_M: Final = 0.03
 """m that a base moves at most while it stands."""
-TRAVELS: Final = 0.5
-"""Share of its stride that no foot travels while it stands on the ground."""
 UNLIKE: Final = 0.3
 """By which the contact fraction of a foot differs from that of all others, if it is inverted."""
 ALIKE: Final = 0.08
@@ -206,59 +204,39 @@ FEWEST_WEIGHTS: Final = 6
 
 def flags_inverted(walk: Walk) -> Iterator[Finding]:
     """Yield that contact flags seem to be true in the air and false on the ground."""
-    feet = [foot for foot in walk.feet if not foot.record.has_force and len(foot.touchdown)]
+    feet = [foot.name for foot in walk.feet if not foot.record.has_force and len(foot.touchdown)]
     if not feet or walk.ground is not None or len(walk.frozen):
         return
-    why = _all_inverted(walk, feet)
+    why = _why_all_inverted(walk, all_flags=len(feet) == len(walk.feet))
     if not why:
-        feet = list(_odd_feet(walk))[:1]
+        feet = [name for name in _odd_feet(walk) if name in feet][:1]
         why = "its flag is down when those of the other feet are up"
     if feet:
-        names = tuple(foot.name for foot in feet)
-        yield found("FLAGS_INVERTED", where="feet", feet=names, names=", ".join(names), why=why)
+        yield found("FLAGS_INVERTED", where="feet", feet=feet, names=", ".join(feet), why=why)
 
 
-def _all_inverted(walk: Walk, feet: list[FootSteps]) -> str:
-    """Return why all flags seem to be inverted; empty if they do not."""
-    travels = np.array([_travel_share(foot) for foot in feet])
-    if np.isfinite(travels).any() and float(median_of_known(travels, axis=0)) > TRAVELS:
-        return "the feet would travel on the ground, and rest in the air"
-    supported = walk.support
-    if supported is None:
-        return ""
-    down = np.array(supported.feet_down)
-    flight = float(down[0])
-    mean = float(down @ np.arange(len(down)))
-    if len(feet) == len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
-        return f"{mean:.1f} of {len(feet)} feet would be down on average, without any flight"
-    speed = walk.base.forward_speed_mps if walk.base else None
-    if speed is not None and _flies_slowly(walk, flight, speed) and not feet_agree(walk):
-        return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
-    at = _dangles(walk, supported.in_flight)
-    if at is not None:
-        return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
-    return ""
-
-
-def _flies_slowly(walk: Walk, flight: float, speed_mps: float) -> bool:
-    """Tell whether feet would be up for as long as in no walk, at a walk's speed by its size.
+def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
+    """Return why all flags seem to be inverted; empty if they do not.
 
     Flags that are true for most of a stride would be less likely the other way round.
     """
+    if walk.support is None:
+        return ""
+    down = np.array(walk.support.feet_down)
+    flight, mean = float(down[0]), float(down @ np.arange(len(down)))
+    if all_flags and len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
+        return f"{mean:.1f} of {len(walk.feet)} feet would be down on average, without any flight"
     usual = float(median_of(np.array([foot.record.contact_fraction() for foot in walk.feet])))
-    leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
-    froude = speed_mps**2 / (GRAVITY_MPS2 * leg_m)
     is_short = usual < SHORT or (usual < HALF and flight >= FLIES)
-    return is_short and STANDS_FROUDE < froude < WALKS_FROUDE
-
-
-def _travel_share(foot: FootSteps) -> float:
-    """Return how far a foot travels in its stances, as a share of its stride; NaN: not known."""
-    travel = aggregate(foot.stances.figures.contact_travel_m[foot.stances.whole])
-    length = aggregate(foot.length_m)
-    if travel is None or length is None or length.median <= STAYS_M:
-        return np.nan
-    return travel.median / length.median
+    speed = (walk.base.forward_speed_mps if walk.base else None) or 0.0
+    leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
+    walks = STANDS_FROUDE < speed**2 / (GRAVITY_MPS2 * leg_m) < WALKS_FROUDE
+    if is_short and walks and not feet_agree(walk):
+        return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
+    at = _dangles(walk, walk.support.in_flight)
+    if at is not None:
+        return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
+    return ""
 
 
 def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
@@ -276,18 +254,17 @@ def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
     return None
 
 
-def _odd_feet(walk: Walk) -> Iterator[FootSteps]:
-    """Yield feet whose flags are up as long as those of all others are down."""
-    known = [foot.record.contact_fraction() for foot in walk.feet]
-    fractions = np.array([each for each in known if each is not None])
-    if len(known) != len(fractions) or len(known) < 3:
+def _odd_feet(walk: Walk) -> Iterator[str]:
+    """Yield the names of feet whose flags are up as long as those of all others are down."""
+    fractions = [foot.record.contact_fraction() for foot in walk.feet]
+    if len(fractions) < 3 or None in fractions:
         return
-    for row, (foot, own) in enumerate(zip(walk.feet, fractions, strict=True)):
-        others = np.delete(fractions, row)
+    for row, foot in enumerate(walk.feet):
+        own, *others = np.roll(np.array(fractions, np.float64), -row)
         usual = float(median_of(others))
         agree = float(np.ptp(others)) < ALIKE and abs(1.0 - own - usual) < ALIKE
-        if agree and abs(own - usual) > UNLIKE and not foot.record.has_force:
-            yield foot
+        if agree and abs(own - usual) > UNLIKE:
+            yield foot.name
 
 
 def sampled_slowly(walk: Walk) -> Iterator[Finding]:

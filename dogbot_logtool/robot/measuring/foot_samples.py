@@ -30,6 +30,8 @@ _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
 _CONTRADICTED: Final = 0.2
 """Share of contradicted flags from which constant flags are taken for not filled in."""
+_INVERTED: Final = 0.75
+"""Share of contradicted flags from which any are ignored."""
 _DOUBTFUL: Final = 0.05
 """Share of contradicted flags from which it is said."""
 _BLUR: Final = 0.02
@@ -65,29 +67,24 @@ def decide_contacts(
     raw = [row for row in raw if selection.robot.feet[row].newtons_per_count is None]
     decided = list(feet)
     if flagged:
-        findings, ignores = _compare_flags([feet[row] for row in flagged], selection, flagged)
-        selection = selection._replace(
-            ignores_flags=ignores, findings=(*selection.findings, *findings)
-        )
+        selection = _compare_flags([feet[row] for row in flagged], selection, flagged)
     for row in flagged:
         each = feet[row]
-        if selection.ignores_flags:
+        if row in selection.ignored_flags:
             each = replace(each, in_contact=np.asarray((each.force != 0.0).any(axis=1)))
         decided[row] = without_contact(each, ~each.in_contact)
     if raw:
-        selection, offsets = _with_levels(feet, selection, raw)
+        selection, thresholds = _with_levels(feet, selection, raw)
         for row in raw:
-            decided[row] = _counted(feet[row], offsets[row], selection.robot.contact_on_counts)
+            decided[row] = _counted(feet[row], *thresholds[row])
     return tuple(decided), selection
 
 
-def _compare_flags(
-    feet: Sequence[Samples], selection: Selection, rows: Sequence[int]
-) -> tuple[tuple[Finding, ...], bool]:
-    """Compare contact flags with the forces beside them.
+def _compare_flags(feet: Sequence[Samples], selection: Selection, rows: Sequence[int]) -> Selection:
+    """Compare contact flags of some feet with the forces beside them.
 
-    Returns:
-        what is said; and whether flags never change although forces do: they are not filled in.
+    Flags that never change although forces do are not filled in, and those that mostly contradict
+    the forces are inverted: these are ignored.
     """
     times = np.unique(np.concatenate([each.log_time for each in feet]))
     load, flag = np.full((2, len(times), len(feet)), np.nan)
@@ -100,48 +97,57 @@ def _compare_flags(
     wrong = np.where(touching, load == 0.0, load > _LOAD_SHARE * total)
     # Without any load, as before a simulation begins, forces tell nothing.
     wrong &= known & (total > 0.0)
-    contradicted = float(wrong.sum() / max(known.sum(), 1))
-    constant = int((touching & known).sum()) in {0, int(known.sum())}
-    topics = listed([*dict.fromkeys(selection.robot.feet[row].topic for row in rows)])
-    ignores = constant and contradicted > _CONTRADICTED
-    say = "ignored" if ignores else "plain"
-    doubt = found("FLAGS_CONTRADICTED", say=say, share=contradicted, topics=topics)
-    return (doubt,) if contradicted > _DOUBTFUL else (), ignores
+    count, touches = known.sum(axis=0), (touching & known).sum(axis=0)
+    share = wrong.sum(axis=0) / np.maximum(count, 1)
+    constant = (touches == 0) | (touches == count)
+    ignored = (share > _INVERTED) | (constant & (share > _CONTRADICTED))
+    if constant.all() and wrong.sum() > _CONTRADICTED * count.sum():
+        ignored[:] = True
+    findings, numbers = [], np.array(rows)
+    for say, some, least in (("ignored", ignored, 0.0), ("plain", ~ignored, _DOUBTFUL)):
+        of_some = float(wrong[:, some].sum() / max(count[some].sum(), 1))
+        if of_some > least:
+            names = listed([selection.robot.feet[row].name for row in numbers[some].tolist()])
+            findings.append(found("FLAGS_CONTRADICTED", say=say, share=of_some, names=names))
+    return selection._replace(
+        ignored_flags=frozenset(numbers[ignored].tolist()),
+        findings=(*selection.findings, *findings),
+    )
 
 
 def _with_levels(
     feet: Sequence[Samples], selection: Selection, raw: Sequence[int]
-) -> tuple[Selection, Mapping[int, float]]:
+) -> tuple[Selection, Mapping[int, tuple[float, float | None]]]:
     """Find what raw sensors read without load, and the threshold of contact, where none is given.
 
-    All feet must have two clear modes: a threshold that fits some says nothing of the others.
+    All feet must have two clear modes: a gait of some says nothing of the others.
 
     Returns:
-        the selection, and the counts to take off each raw foot's.
+        the selection; and by raw foot the counts to take off, and from which on it touches then.
     """
-    robot, offsets = selection.robot, dict.fromkeys(raw, 0.0)
-    scaled = any(foot.newtons_per_count is not None for foot in robot.feet)
-    levels = {}
-    if robot.contact_on_counts is None and not scaled:
+    robot = selection.robot
+    thresholds = dict.fromkeys(raw, (0.0, robot.contact_on_counts))
+    say, told = "unknown", ""
+    if robot.contact_on_counts is None and all(f.newtons_per_count is None for f in robot.feet):
         levels = {row: _contact_level(feet[row]) for row in raw}
-    wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
-    reason = f" (it cannot be estimated from the log; {wrong[0]})" if wrong else ""
-    estimated = bool(levels) and not wrong
-    if estimated:
-        offsets |= {row: offset for row, (offset, _, _) in levels.items()}
-        shifted = (
-            replace(foot, offset=foot.offset + offsets.get(row, 0.0))
-            for row, foot in enumerate(robot.feet)
-        )
-        on_counts = max(on for _, on, _ in levels.values())
-        robot = replace(robot, feet=tuple(shifted), contact_on_counts=on_counts)
+        wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
+        if wrong:
+            told = f" (it cannot be estimated from the log; {wrong[0]})"
+        else:
+            # The sensors of two feet may count differently.
+            thresholds = {row: (offset, on) for row, (offset, on, _) in levels.items()}
+            say, told = "estimated", listed([f"{on:.3g}" for _, on, _ in levels.values()])
+            shifted = (
+                replace(foot, offset=foot.offset + thresholds.get(row, (0.0, None))[0])
+                for row, foot in enumerate(robot.feet)
+            )
+            robot = replace(robot, feet=tuple(shifted))
     findings = [each for each in selection.findings if "counts" not in each.cases]
     own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
     unscaled = [robot.feet[row] for row in raw]
-    say = "estimated" if estimated else "unknown"
     types = dict.fromkeys(channel.type_name for channel in own)
-    findings += (not_calibrated(robot, unscaled, name, say, reason) for name in types)
-    return selection._replace(robot=robot, findings=tuple(findings)), offsets
+    findings += (not_calibrated(robot, unscaled, name, say, told) for name in types)
+    return selection._replace(robot=robot, findings=tuple(findings)), thresholds
 
 
 def _contact_level(samples: Samples) -> tuple[float, float, str]:

@@ -135,13 +135,15 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
     """
     known = skeleton(selection, walk.frames, walk.legs.links if walk.legs else {})
     drawn, base = known.limbs, known.base
+    # Whether a transform was recorded late changes no picture.
+    tracks = {name: own._replace(log_time=own.time) for name, own in known.frames.items()}
     if not drawn or len(drawn) > MOST_FRAMES:
         return None
     parents = {child: track.parent for child, track in known.frames.items()}
     feet = {foot: (frames[0], known.soles[foot]) for foot, frames in known.legs.items()}
     points: list[Floats] = []
     for frame, point in (*((frame, _ORIGIN) for frame in drawn), *feet.values()):
-        pose = lookup(known.frames, frame, base, time, _recorded(known.frames, frame, time))
+        pose = lookup(tracks, frame, base, time, time)
         points.append(pose.translation + rotate(pose.rotation, np.array([point])))
     above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in feet.values())]
     sole = {foot: len(drawn) + index for index, foot in enumerate(feet)}
@@ -150,16 +152,6 @@ def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
         tuple(_nearest(drawn, parents, base, frame) for frame in above),
         tuple(sole.get(foot) for foot in range(len(selection.robot.feet))),
     )
-
-
-def _recorded(tracks: Mapping[str, FrameTrack], frame: str, time: Ints) -> Ints:
-    """(n,) ns, log times of some times: about when a frame's transforms were recorded."""
-    track = tracks.get(frame)
-    if track is None or track.static:
-        return time
-    since = np.interp(time - time[0], track.time - time[0], track.log_time - track.log_time[0])
-    recorded: Ints = track.log_time[0] + np.rint(since).astype(np.int64)
-    return recorded
 
 
 def _nearest(drawn: Sequence[str], parents: Mapping[str, str], base: str, frame: str) -> int:

@@ -155,13 +155,17 @@ def test_counts_without_a_scale_give_a_gait_and_no_forces(tmp_path: Path, kind: 
 
 
 class Rounded(StateWalk):
-    """Counts that are as good as constant on the ground, and jitter by one in the air."""
+    """Counts that are as good as constant on the ground, and jitter by one in the air.
+
+    Those of one sensor are 30 times as many.
+    """
 
     def counts(self, forces: Any) -> Any:
         down = {leg: force[2] > 0.0 for leg, force in forces.items()}
         order = ("front_right", "front_left", "back_right", "back_left")
         jitter = int(next(self.ticks) % 2)
-        return np.array([140 if down[leg] else 20 + jitter for leg in order], np.int16)
+        loaded = dict.fromkeys(order, 140) | {"back_left": 4200}
+        return np.array([loaded[leg] if down[leg] else 20 + jitter for leg in order], np.int16)
 
     def __init__(self, ros: int) -> None:
         super().__init__(ros)
@@ -185,6 +189,13 @@ class Unflagged(StateWalk):
         return np.zeros_like(super().flags(sample, legs))
 
 
+class Inverted(StateWalk):
+    """A publisher that turns one of its flags round."""
+
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return super().flags(sample, legs) ^ np.array([False, False, False, True])
+
+
 class Shifted(StateWalk):
     """A plan whose flags end contact before the force does."""
 
@@ -192,8 +203,10 @@ class Shifted(StateWalk):
         return super().flags(min(sample + 4, walks.SAMPLES - 1), legs)
 
 
-@pytest.mark.parametrize(("maker", "shift_s"), [(Unflagged, 0.0), (Shifted, -0.04)])
-def test_flags_decide_unless_they_are_never_set(
+@pytest.mark.parametrize(
+    ("maker", "shift_s"), [(Unflagged, 0.0), (Inverted, 0.0), (Shifted, -0.04)]
+)
+def test_flags_decide_unless_they_are_never_set_or_inverted(
     tmp_path: Path, maker: type[StateWalk], shift_s: float
 ) -> None:
     walk = maker(2)
