@@ -20,7 +20,7 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
-from dogbot_logtool.reader.containers.remote_source import RemoteSource
+from dogbot_logtool.reader.containers.source import RemoteSource
 from dogbot_logtool.run.cluster import ClusterRunner
 from dogbot_logtool.run.runner import OnProgress
 

@@ -14,7 +14,7 @@ from dogbot_logtool.core.checks.recorded import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
 from dogbot_logtool.core.recording import LARGEST
-from dogbot_logtool.core.settings import body_weight_n
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
@@ -60,13 +60,12 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
 
 
 def _view(robot: Robot, world: str, base: str) -> View:
-    weight = body_weight_n(robot.mass_kg)
     return View(
         tuple(foot.name for foot in robot.feet),
         world,
         base,
         robot.forward_axis,
-        None if weight is None else upper_bound(weight),
+        None if robot.mass_kg is None else upper_bound(robot.mass_kg * GRAVITY_MPS2),
         body_size_m(robot.mass_kg)[0],
     )
 

@@ -105,15 +105,20 @@ def doubts(documents: Sequence[Json], names: Sequence[str]) -> list[str]:
 
 
 def _rules(documents: Sequence[Json], suggested: _Suggested) -> Iterator[str]:
-    """Yield the rules of a figure: one for all feet where they are alike, else one a foot."""
+    """Yield the rules of a metric: one for all feet where they are alike, else one a foot.
+
+    A foot of which some run does not know it has no rule.
+    """
     found = [dict(figures_in(document, str(suggested.of))) for document in documents]
-    values = {path: [each.get(path) for each in found] for path in found[0]}
+    paths = dict.fromkeys(chain(*found))
+    values = {path: [each.get(path) for each in found] for path in paths}
     known = {path: [v for v in each if is_number(v)] for path, each in values.items()}
     ranges = {p: _range(v, suggested) for p, v in known.items() if len(v) == len(documents)}
     if not ranges:
         return
     low, high = min(low for low, _ in ranges.values()), max(high for _, high in ranges.values())
-    if high - low <= _ALIKE * min(high - low for low, high in ranges.values()):
+    narrowest = min(high - low for low, high in ranges.values())
+    if len(ranges) == len(paths) and high - low <= _ALIKE * narrowest:
         ranges = {str(suggested.of): (low, high)}
     why = suggested.why
     for path, (low, high) in ranges.items():

@@ -140,7 +140,7 @@ def copied_chunks(
     for loaded in batch.chunks:
         chunk = loaded.chunk
         is_kept = log.copies_chunks and compression in {None, chunk.compression or "none"}
-        if is_kept and loaded.whole and loaded.indexed:
+        if is_kept and loaded.whole:
             chunks += _new_chunks(batch, partial, compression)
             partial = []
             # Where processes share the file, its bytes need not be sent from one to another.

@@ -111,12 +111,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     placed, worlds = placed_poses(records, candidates, period_s)
     height = height_over_feet(placed, records)
     fallen = fallen_spans(recorded, records, height, jumps.spans)
-    weighed = loads_of(
-        records,
-        settings.body_weight_n,
-        any_strides(records, fallen, timespans.no_spans()),
-        lacks_feet=settings.lacks_feet,
-    )
+    weighed = loads_of(records, settings, any_strides(records, fallen, timespans.no_spans()))
     dead = tuple(dead_feet(records, weighed))
     period_s = typical_period_s([each.stances for each in records])
     apart = too_far_apart(corrected.clocks, period_s)
@@ -182,7 +177,7 @@ def mask_walk(corrected: Corrected) -> Walk:
 def _measured(walk: Walk) -> Walk:
     """Measure a walk of which the masks are known."""
     settings, records, feet = walk.settings, walk.records, walk.feet
-    supported = walk.support_in()
+    supported = support(records) if walk.contacts_known else None
     segments: tuple[Segment, ...] = ()
     if feet and not walk.feet_clocks_are_apart:
         segments = find_segments(feet, walk.standing, contacts_known=supported is not None)

@@ -18,7 +18,7 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.poses import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
-from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.contact.stances import Cut, FootTrack, Stances
 from dogbot_logtool.core.event import EventType, in_order
 from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
 from dogbot_logtool.core.gait.segments import PERIOD_CHANGE, Segment
@@ -230,13 +230,25 @@ def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:
     usual = _usual_m(stances, travel, _walks(walk))
     metres = travel - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
     for slip in np.flatnonzero(np.isfinite(metres)).tolist():
-        begins, ends = int(stances.touchdown[slip]), int(stances.liftoff[slip])
-        from_s, to_s = figures.reach_begins_s[slip], figures.reach_ends_s[slip]
-        # Where samples are few it is the whole stance.
-        if np.isfinite(from_s + to_s):
-            begins, ends = (begins + round(float(each) * 1e9) for each in (from_s, to_s))
+        stance = int(stances.touchdown[slip]), int(stances.liftoff[slip])
+        span = _sliding(walk.records[row].track, *stance)
         code = "SLIPS" if rolling_m is None and np.isnan(usual[slip]) else None
-        yield _event(walk, EventType.SLIP, (begins, ends), row, float(metres[slip]), "m", code)
+        yield _event(walk, EventType.SLIP, span, row, float(metres[slip]), "m", code)
+
+
+def _sliding(track: FootTrack, start: int, end: int) -> tuple[int, int]:
+    """Return when the contact point goes most of its way from 10 % to 90 % of a stance, ns."""
+    time, point = track.contact_points
+    edges = start + (end - start) // 10, end - (end - start) // 10
+    rows = slice(*np.searchsorted(time, edges))
+    time, away = time[rows], norms(point[rows] - point[rows][:1])
+    most = away.max(initial=0.0)
+    before_half = np.logical_and.accumulate(away < 0.5 * most)
+    rests = np.flatnonzero(before_half & (away <= 0.1 * most))
+    if not len(rests):
+        # Where samples are few, it is the whole stance.
+        return start, end
+    return int(time[rests[-1]]), int(time[(away >= 0.9 * most).argmax()])
 
 
 def _walks(walk: Walk) -> list[Segment]:

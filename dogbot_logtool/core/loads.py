@@ -10,6 +10,7 @@ from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.settings import WalkSettings
 
 NEAR_ZERO: Final = 1e-9
 WEIGHT_TOLERANCE: Final = 0.05
@@ -187,12 +188,9 @@ def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool)
 
 def loads_of(
     feet: Sequence[FootHistory],
-    body_weight_n: float | None,
+    settings: WalkSettings,
     strides: Ints,
     within: Ints = timespans.ALWAYS,
-    *,
-    mass_is_assumed: bool = False,
-    lacks_feet: bool = False,
 ) -> WalkLoads:
     """Compare the feet's impulses with each other and with the weight.
 
@@ -202,12 +200,10 @@ def loads_of(
 
     Args:
         feet: histories of all feet.
-        body_weight_n: N, from the robot's mass; None: not known.
+        settings: with the mass, and whether the robot has other feet, too.
         strides: (s, 2) ns, strides of one foot; without any, all known time counts, and of feet
             that step there are no shares.
         within: (w, 2) ns, a segment; its strides are given.
-        mass_is_assumed: whether the weight is that of a robot that was only guessed.
-        lacks_feet: whether the robot has other feet, too.
     """
     loaded = [foot for foot in feet if len(foot.in_contact)]
     vertical = bool(loaded) and all(vertical_is_known(foot) for foot in loaded)
@@ -226,14 +222,14 @@ def loads_of(
     shares = abs(sum(shared)) >= NEAR_ZERO and has_forces
     return WalkLoads(
         over_strides=over_strides,
-        complete=len(loaded) == len(feet) and not lacks_feet,
+        complete=len(loaded) == len(feet) and not settings.lacks_feet,
         mean_vertical_n=sum(upward) / seconds if vertical and seconds else None,
         mean_magnitude_n=sum(magnitude) / seconds if (vertical or has_forces) and seconds else None,
-        body_weight_n=body_weight_n,
-        mass_is_assumed=mass_is_assumed,
+        body_weight_n=settings.body_weight_n,
+        mass_is_assumed=settings.mass_is_assumed,
         share_of=("vertical_impulse" if vertical else "force_impulse") if shares else None,
         shares=tuple(each / sum(shared) for each in shared)
-        if shares and not (in_part or lacks_feet)
+        if shares and not (in_part or settings.lacks_feet)
         else None,
     )
 

@@ -23,11 +23,6 @@ GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
 
 
-def body_weight_n(mass_kg: float | None) -> float | None:
-    """Return the weight of a robot, N, or None when its mass is unknown."""
-    return None if mass_kg is None else mass_kg * GRAVITY_MPS2
-
-
 class FootSettings(NamedTuple):
     """One foot, in the order in which `Samples.foot` counts them."""
 
@@ -127,7 +122,7 @@ class WalkSettings:
     @property
     def body_weight_n(self) -> float | None:
         """N; None when the mass is not known."""
-        return body_weight_n(self.mass_kg)
+        return None if self.mass_kg is None else self.mass_kg * GRAVITY_MPS2
 
     @property
     def lacks_feet(self) -> bool:

@@ -7,6 +7,7 @@ uploaded as one object, which is there when the store has all of it.
 
 import contextlib
 import os
+import re
 import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path, PurePath
@@ -21,24 +22,13 @@ if TYPE_CHECKING:
 
 _OPEN_FILES: Final = Path("/proc/self/fd")
 """The directory in which Linux names open files of a process, also those without another name."""
-_SUFFIXES: Final = {
-    "a ROS 1 bag": ".bag .active",
-    "a file of a ROS 2 bag": ".db3",
-    "an MCAP": ".mcap",
-    "an HTML page": ".html .htm",
-    "JSON": ".json",
-    "a table": ".csv .parquet",
-    "XML": ".xml",
-    "TOML": ".toml",
-    "YAML": ".yaml .yml",
-    "a view for RViz": ".rviz",
-    "a text": ".txt",
-    "a picture": ".pdf .svg .png .jpg .jpeg .gif",
-    "a compressed file": ".zstd .zst .lz4 .gz .bz2 .xz",
-    "an archive": ".zip .tar .tgz .7z",
-}
-_FORMATS: Final = {suffix: what for what, each in _SUFFIXES.items() for suffix in each.split()}
-"""Formats by well-known suffixes."""
+_KNOWN: Final = re.compile(
+    r"\.(7z|active|bag|bz2|csv|db3|gif|gz|html?|jpe?g|json|lz4|mcap|parquet|pdf|png|rviz|svg|tar|tgz|"
+    r"toml|txt|xml|xz|ya?ml|zip|zstd?)"
+)
+"""Suffixes that promise a format."""
+_ALIKE: Final = {".html": (".htm",), ".pdf": (".svg", ".png", ".jpg", ".jpeg", ".gif")}
+"""Suffixes beside one of ours that are as good."""
 
 
 def refuse_bad_target(
@@ -128,8 +118,7 @@ def whole_file(
     """Open a file that becomes the target when the block ends without an error.
 
     On any error or interruption nothing of it stays. A URL is uploaded while it is written. A file
-    that is replaced hands on its permissions and, where that is allowed, its owner; a link stays
-    one: what it leads to is replaced.
+    that is replaced hands on its permissions; a link stays one: what it leads to is replaced.
 
     Args:
         target: where the output is to be.
@@ -153,8 +142,8 @@ def whole_file(
         part = folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
         try:
             with _nameless(folder) or part.open("xb") as file:
-                if replaced is not None:
-                    _resemble(file, replaced)
+                if replaced is not None and hasattr(os, "fchmod"):  # not on Windows
+                    os.fchmod(file.fileno(), stat.S_IMODE(replaced.st_mode))
                 yield file
                 file.flush()
                 # A power failure leaves a whole file, the one before, or none.
@@ -206,16 +195,6 @@ def _take_free_name(name: Path, path: Path) -> bool:
             return False
         name.replace(path)
     return True
-
-
-def _resemble(file: BinaryIO, replaced: os.stat_result) -> None:
-    """Take over the owner, where that is allowed, and the permissions of another file."""
-    if not hasattr(os, "fchown"):
-        return  # Windows
-    for owner in ((-1, replaced.st_gid), (replaced.st_uid, -1)):
-        with contextlib.suppress(PermissionError):
-            os.fchown(file.fileno(), *owner)
-    os.fchmod(file.fileno(), stat.S_IMODE(replaced.st_mode))
 
 
 @contextlib.contextmanager
@@ -334,11 +313,12 @@ def refuse_other_format(target: Location, suffix: str) -> None:
     Raises:
         CallError: it does.
     """
-    promised, written = _FORMATS.get(target.suffix.lower()), _FORMATS[suffix]
-    if promised not in {None, written}:
+    promised = target.suffix.lower()
+    alike = (suffix, *_ALIKE.get(suffix, ()))
+    if _KNOWN.fullmatch(promised) and promised not in alike:
         name = f"{target.stem.removesuffix(suffix)}{suffix}"
         raise CallError(
-            f"{storage.name_of(target)}: the name is that of {promised}, but {written} is written; "
+            f"{storage.name_of(target)}: the name ends in {promised}, but {suffix} is written; "
             f"name it {name}"
         )
 

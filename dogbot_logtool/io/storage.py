@@ -3,7 +3,6 @@
 fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
 
-import atexit
 import errno
 import os
 import re
@@ -343,16 +342,12 @@ def _first_line(error: BaseException) -> str:
 def scratch_folder() -> Iterator[Path]:
     """Make a directory for copies that are read once, which is gone when the block ends.
 
-    A file that is still open then loses its name, and its bytes when it is closed. Windows
-    does not remove open files: there the directory is removed when the process ends.
+    A file that is still open then loses its name, and its bytes when it is closed; Windows, which
+    does not remove open files, leaves it.
     """
-    import shutil  # noqa: PLC0415 - few logs need a copy
-    import tempfile  # noqa: PLC0415
+    import tempfile  # noqa: PLC0415 - few logs need a copy
 
-    folder = Path(tempfile.mkdtemp(prefix="dogbot-logtool."))
-    try:
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-        if folder.exists():
-            atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    with tempfile.TemporaryDirectory(
+        prefix="dogbot-logtool.", ignore_cleanup_errors=True
+    ) as folder:
+        yield Path(folder)

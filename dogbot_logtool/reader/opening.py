@@ -18,7 +18,7 @@ from dogbot_logtool.reader.containers.registry import (
     Container,
     is_zstd,
 )
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource, RemoteSource
 
 _MAGIC_SIZE: Final = 16
 _MOST_DAMAGED_BYTES: Final = 2
@@ -129,15 +129,11 @@ def _open_file(
         packed: whether it may be compressed: only once, as no recorder does that twice.
         facts: what its store says of it, if it was asked.
     """
-    if isinstance(path, Path):
-        source = ByteSource(path)
-    else:
-        # Imported late: only URLs need it.
-        from dogbot_logtool.reader.containers.remote_source import (  # noqa: PLC0415
-            RemoteSource,
-        )
-
-        source = RemoteSource(path, facts or storage.facts(path))
+    source = (
+        ByteSource(path)
+        if isinstance(path, Path)
+        else RemoteSource(path, facts or storage.facts(path))
+    )
     try:
         return _open_source(source, distribution, packed=packed)
     except BaseException:
@@ -148,7 +144,7 @@ def _open_file(
 def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
     magic = source.read(0, _MAGIC_SIZE)
     if is_zstd(magic) and packed:
-        from dogbot_logtool.reader.containers.zstd import open_zstd  # noqa: PLC0415
+        from dogbot_logtool.reader.containers.compression import open_zstd  # noqa: PLC0415
 
         unpacked = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
         source.close()

@@ -10,7 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_foot
-from dogbot_logtool.core.recording import MOST_JOINTS, JointTable, Times, plausible
+from dogbot_logtool.core.recording import MOST_JOINTS, Times, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.messages.bases import Base, BasePoses
@@ -76,14 +76,14 @@ class Part:
     known), of ``steps``, ns between neighbouring physics steps of a message, and of ``times``, ns,
     log times of all messages of a channel in file order; `Odometry` of the ``base``;
     `Arrows` of contact states; `VectorSamples` of ``commands`` and ``accelerations``; `Times` of a
-    topic's ``stamps``; `Transforms` of a parent and child's ``transforms``."""
+    topic's ``stamps``; `Transforms` of a parent and child's ``transforms``; `JointSamples` of the
+    ``joints`` of a topic with some names."""
     names: dict[Key, set[str]] = field(default_factory=lambda: defaultdict(set))
     """Names of frames: ``links`` of a foot, ``worlds`` and ``bases`` of poses, ``slashed`` ones of
     transforms, those of ``commands`` and ``accelerations``."""
     counts: Counter[Key] = field(default_factory=Counter)
     """``malformed`` messages of a channel; messages ``without_arrow``, by why; see `Recording` for
     the others."""
-    joints: list[JointTable] = field(default_factory=list)
     losses: tuple[Loss, ...] = ()
 
     def add_malformed(self, malformed: Mapping[int, int]) -> None:
@@ -117,7 +117,7 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
             part.columns[kind, ONLY].append(samples)
             part.names[kind, ONLY].update(frames)
             part.add_malformed(malformed)
-    part.joints.extend(_joint_tables(part, batch, wanted))
+    _add_joints(part, batch, wanted)
     return part
 
 
@@ -185,15 +185,14 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
         part.add_malformed(malformed)
 
 
-def _joint_tables(part: Part, batch: Batch, wanted: Wanted) -> Iterator[JointTable]:
-    """Yield the joint states of each channel."""
+def _add_joints(part: Part, batch: Batch, wanted: Wanted) -> None:
     for channel in wanted.joints:
         for read, malformed in read_joints(batch, channel):
             part.add_malformed(malformed)
             names = read.names[:MOST_JOINTS]
             if names and len(read.samples.log_time):
                 samples = read.samples.only(np.arange(len(names)))
-                yield JointTable(read.topic, names, samples)
+                part.columns["joints", (read.topic, names)].append(samples)
 
 
 def _stamped(

@@ -151,7 +151,6 @@ class _Joined:
         for key, names in part.names.items():
             self._whole.names[key].update(names)
         self._whole.counts.update(part.counts)
-        self._whole.joints.extend(part.joints)
         self._losses.extend(part.losses)
 
     def _take(self, kind: str, which: Any, nothing: Table) -> Table:  # noqa: ANN401
@@ -186,7 +185,7 @@ class _Joined:
                 for edge in self._which("transforms")
             },
             slashed_frames=frozenset(names["slashed", ONLY]),
-            joints=_all_joints(self._whole.joints, self._wanted),
+            joints=tuple(self._joints()),
             commands=self._vectors("commands"),
             accelerations=self._vectors("accelerations"),
             topics=self._topics(log, times),
@@ -215,6 +214,17 @@ class _Joined:
         return tuple(
             _of_foot(foot, self._take("feet", foot, no_samples()), left[foot]) for foot in feet
         )
+
+    def _joints(self) -> Iterator[JointTable]:
+        """Yield the joint states of each topic, the best first."""
+        for topic in dict.fromkeys(channel.topic for channel in self._wanted.joints):
+            tables = [
+                JointTable(topic, which[1], self._columns.pop((kind, which)).finish())
+                for kind, which in [*self._columns]
+                if kind == "joints" and which[0] == topic
+            ]
+            if tables:
+                yield _one_table(topic, tables)
 
     def _vectors(self, kind: str) -> VectorTopic | None:
         samples: VectorSamples | None = self._take(kind, ONLY, None)
@@ -263,14 +273,6 @@ def left_after_ns(lags: Sequence[Ints], step: Ints) -> int | None:
     usual, half_a_step = float(median_of(lag)), float(median_of(step)) / 2.0
     regular = np.abs(lag - usual) < half_a_step
     return round(usual + half_a_step) if regular.mean() >= _REGULAR else None
-
-
-def _all_joints(parts: Sequence[JointTable], wanted: Wanted) -> tuple[JointTable, ...]:
-    """Join the joint states of each topic; NaN where a message does not have a joint."""
-    by_topic: dict[str, list[JointTable]] = {each.topic: [] for each in wanted.joints}
-    for part in parts:
-        by_topic[part.topic].append(part)
-    return tuple(_one_table(topic, tables) for topic, tables in by_topic.items() if tables)
 
 
 def _one_table(topic: str, tables: Sequence[JointTable]) -> JointTable:

@@ -7,7 +7,7 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, found
-from dogbot_logtool.io.printable import listed
+from dogbot_logtool.io.printable import listed, shell_quoted
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
@@ -176,7 +176,9 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
     if not by_names and not offered:
         is_recorded = any(source_of(channel, "feet") for channel in log.channels.values())
         say = "unlike" if topics else "unread" if is_recorded else "no_topics"
-        findings.append(found("NO_FEET", say=say, topics=listed(sorted(topics))))
+        names = sorted(topics)
+        topic = shell_quoted(names[0]) if names else ""
+        findings.append(found("NO_FEET", say=say, topics=listed(names), topic=topic))
     return replace(robot, feet=by_names), () if by_names else offered
 
 

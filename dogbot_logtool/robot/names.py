@@ -155,7 +155,21 @@ def name_feet(
     clear = [one for one in possible if one.is_clear(contacts_only=contacts_only)]
     is_best = len(clear) == 1 or (clear and clear[0].rank < clear[1].rank)
     chosen = clear[0] if is_best else None
+    if contacts_only and len(names) == 1:
+        chosen = _lone_foot(*names.items())
     return chosen, tuple(one for one in possible if one is not chosen)
+
+
+def _lone_foot(topic_and_words: tuple[str, Words]) -> FootSet | None:
+    """Return the one foot that tells of contacts, where its name says where it sits."""
+    topic, words = topic_and_words
+    name = foot_name(topic)
+    position = leg_position(name)
+    if position is None or not {Part.NOT_A_FOOT, Part.UPPER_LEG}.isdisjoint(
+        word.part for word in words
+    ):
+        return None
+    return FootSet((Foot(name, topic, leg_position=position),), "corners")
 
 
 # --- siblings ------------------------------------------------------------------------------------

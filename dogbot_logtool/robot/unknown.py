@@ -37,7 +37,6 @@ _OTHER_PART: Final = 4
 _NEVER: Final = 20
 """Points of what cannot be feet: nothing can outweigh it."""
 _SLOW_HZ, _FAST_HZ = 5.0, 20.0
-_USUAL_FEET: Final = (2, 4, 6, 8)
 _FEWEST: Final = 8
 """Samples of a foot from which its values mean something; some are sent on change only."""
 _LARGEST_STATE: Final = 3.0
@@ -61,7 +60,7 @@ _ENDS: Final = (2.0, 98.0)
 """The same of feet that are hardly ever in the air."""
 _ON: Final = 0.2
 """Share of the way between them from which it is on; with all feet down each bears little."""
-_ENOUGH: Final = 5
+_ENOUGH: Final = 4
 """Points from which fields are offered as feet."""
 _MOST_SETS: Final = 40
 """Sets of fields whose content is looked at."""
@@ -77,7 +76,6 @@ _OTHER_WORDS: Final = word_set(
     "velocity voltage"
 )
 """Words of fields that are no contact."""
-_DIFFER: Final = {"corners": "front and back, left and right", "sides": "left and right"}
 _LEGS: Final = frozenset({Part.FOOT, Part.LEG})
 _Kinds = Mapping[str, FieldType]
 """The fields of a definition, by path."""
@@ -111,10 +109,8 @@ def _named_sets(log: Log) -> Iterator[FootSet]:
         for one in _sets_of_type(channels, type_name):
             slowest = min(message_count(log, topic) for topic in one.topics)
             names, rate_hz = [foot.word for foot in one.feet], mean_rate_hz(slowest, span_ns)
-            marks = list(name_marks(names, type_name, rate_hz))
-            if one.kind != "elements":
-                marks.append((1, f"they differ in {_DIFFER.get(one.kind, 'one word')} only"))
-            yield one._replace(type_name=type_name, marks=tuple(marks))
+            marks = tuple(name_marks(names, type_name, rate_hz))
+            yield one._replace(type_name=type_name, marks=marks)
 
 
 def _sets_of_type(channels: Mapping[str, Channel], type_name: str) -> Iterator[FootSet]:
@@ -278,7 +274,6 @@ def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
     low, high = percentiles_of(values, _ENDS, axis=0)
     if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
         marks.append((-_NEVER, "none reads near zero without load"))
-    marks.append((1 if len(feet) in _USUAL_FEET else -1, ""))
     kind = "contact" if are_states else "force"
     told = []
     for foot, field in [(each, each.field) for each in named.feet[: len(feet)] if each.field]:

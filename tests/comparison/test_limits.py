@@ -200,6 +200,9 @@ def verdict(log: dict[str, Any], *good: dict[str, Any]) -> Status:
 
 DOUBTED, SHAKY = run(0.7, 0.001, "DEAD"), run(0.7, 0.001, "", "slip", "touchdown", "slip")
 
+LAME = run()
+LAME["feet"]["right"]["duty_factor"] = None
+
 
 @pytest.mark.parametrize(
     ("log", "good", "status"),
@@ -215,6 +218,8 @@ DOUBTED, SHAKY = run(0.7, 0.001, "DEAD"), run(0.7, 0.001, "", "slip", "touchdown
         (DOUBTED, (DOUBTED,), "GOOD"),
         (SHAKY, (run(), SHAKY), "GOOD"),
         (run(0.7, 0.001, "", *["slip"] * 3), (run(), SHAKY), "WARN"),
+        # Nor is what of one foot is not known.
+        (LAME, (LAME,), "GOOD"),
     ],
 )
 def test_the_good_runs_pass_and_others_fail(

@@ -101,17 +101,6 @@ def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path: Path, mode: int
     assert stat.S_IMODE(target.stat().st_mode) == mode
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root may give files away")
-def test_a_file_that_is_replaced_keeps_its_owner(tmp_path: Path) -> None:
-    target = tmp_path / "x.mcap"
-    target.write_bytes(b"old")
-    os.chown(target, 1234, 2345)
-    write(target, b"new", overwrite=True)
-    status = target.stat()
-    assert (status.st_uid, status.st_gid) == (1234, 2345)
-    assert target.read_bytes() == b"new"
-
-
 def test_a_link_to_nowhere_is_told_before_any_work(tmp_path: Path) -> None:
     target = tmp_path / "x.mcap"
     target.symlink_to(tmp_path / "nowhere")

@@ -46,7 +46,7 @@ WEIGHT_N: Final = 30.0
 def odd_walk(ros: int = 2) -> walks.Walk:
     """Return a maker of messages that knows the odd types."""
     walk = walks.Walk(ros)
-    walk.store = walks.SharedStore(_known(ros))
+    walk.store = walks.own_store(_known(ros))
     return walk
 
 

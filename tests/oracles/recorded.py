@@ -36,10 +36,6 @@ def load_topic(foot: str) -> str:
     return f"/load/{foot}"
 
 
-def label_topic(foot: str) -> str:
-    return f"/label/{foot}"
-
-
 @dataclass(frozen=True, slots=True)
 class Recorded:
     """A message as its container's own library reads it."""

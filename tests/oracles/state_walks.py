@@ -163,7 +163,7 @@ class StateWalk(walks.Walk):
 
     def __init__(self, ros: int) -> None:
         super().__init__(ros)
-        self.store = walks.SharedStore(_known(ros))
+        self.store = walks.own_store(_known(ros))
 
     def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
         fields = _FIELDS.get(kind.split("/", maxsplit=1)[0])

@@ -1,5 +1,6 @@
 """One synthetic walk, told in every type of contact message, for every container."""
 
+import copy
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -9,7 +10,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
-from rosbags.interfaces import Msgdef, Nodetype
+from rosbags.interfaces import Nodetype
 from rosbags.rosbag1 import Writer as BagWriter
 from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.rosbag2.enums import StoragePlugin
@@ -110,19 +111,11 @@ def _known(ros: int) -> Typestore:
     return store
 
 
-class SharedStore(Typestore):
-    """A store of one's own, with the types of another one as it has compiled them."""
-
-    def __init__(self, known: Typestore) -> None:
-        super().__init__()
-        self._known = known
-        self.fielddefs, self.types = dict(known.fielddefs), dict(known.types)
-
-    def get_msgdef(self, typename: str) -> Msgdef[object]:
-        """Compile a type only where it differs from the other store's."""
-        if self.types[typename] is self._known.types.get(typename):
-            return self._known.get_msgdef(typename)
-        return super().get_msgdef(typename)
+def own_store(known: Typestore) -> Typestore:
+    """Return a store to which types can be added, with those of another one."""
+    store = copy.copy(known)
+    store.fielddefs, store.types, store.cache = dict(known.fielddefs), dict(known.types), {}
+    return store
 
 
 class Walk:
@@ -130,7 +123,7 @@ class Walk:
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
-        self.store: Typestore = SharedStore(_known(ros))
+        self.store = own_store(_known(ros))
 
     def make(self, kind: str, **fields: Any) -> Any:
         """Make a message of some fields; the others are zero.

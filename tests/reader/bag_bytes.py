@@ -2,12 +2,16 @@
 
 import bz2
 import struct
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from types import MappingProxyType
+from typing import NamedTuple
 
 import lz4.frame
 
-from tests.reader.reading import Read
+from tests.reader.reading import Read, small_chunks
 
 MAGIC = b"#ROSBAG V2.0\n"
 SECOND = 1_000_000_000
@@ -30,8 +34,7 @@ def time(ns: int) -> bytes:
     return struct.pack("<II", *divmod(ns, SECOND))
 
 
-@dataclass(frozen=True)
-class Message:
+class Message(NamedTuple):
     connection: int
     log_time: int
     payload: bytes
@@ -42,13 +45,12 @@ class Message:
         )
 
 
-@dataclass(frozen=True)
-class Connection:
+class Connection(NamedTuple):
     number: int
     topic: str
     type_name: str = TYPE
     definition: str = DEFINITION
-    extra: Mapping[str, bytes] = field(default_factory=dict)
+    extra: Mapping[str, bytes] = MappingProxyType({})
 
     def record(self) -> bytes:
         sent = header(
@@ -61,24 +63,26 @@ class Connection:
         return record(sent, op=b"\x07", conn=U32.pack(self.number), topic=self.topic.encode())
 
 
-def lz4_as_rosbag(data: bytes) -> bytes:
-    """One independent block, content checksum, no content size."""
-    return bytes(
-        lz4.frame.compress(
-            data,
-            block_size=lz4.frame.BLOCKSIZE_MAX4MB,
-            block_linked=False,
-            content_checksum=True,
-            store_size=False,
-        )
-    )
-
-
+LZ4_OF_ROSBAG = partial(
+    lz4.frame.compress,
+    block_size=lz4.frame.BLOCKSIZE_MAX4MB,
+    block_linked=False,
+    content_checksum=True,
+    store_size=False,
+)
 CODECS: Mapping[str, Callable[[bytes], bytes]] = {
     "none": bytes,
     "bz2": bz2.compress,
-    "lz4": lz4_as_rosbag,
+    "lz4": LZ4_OF_ROSBAG,
 }
+
+
+def chunk(
+    inner: bytes, compression: str, compress: Callable[[bytes], bytes] | None = None
+) -> bytes:
+    stored = (compress or CODECS[compression])(inner)
+    size = U32.pack(len(inner))
+    return record(stored, op=b"\x05", compression=compression.encode(), size=size)
 
 
 @dataclass
@@ -138,21 +142,13 @@ class BagBytes:
         if self.in_chunks and len(self.chunk_starts) == 1:
             inner = b"".join(connection.record() for connection in self.connections)
         inner += self.described_later.get(len(self.chunk_starts) - 1, b"")
-        offsets: list[int] = []
-        ends: list[int] = []
+        offsets = [len(inner)]
         for message in messages:
-            offsets.append(len(inner))
             inner += message.record()
-            ends.append(len(inner))
-        stored = (self.compress or CODECS[self.compression])(inner)
-        written = record(
-            stored,
-            op=b"\x05",
-            compression=self.compression.encode(),
-            size=U32.pack(len(inner)),
-        )
-        data_place = place + len(written) - len(stored)
-        self.message_ends.extend(data_place + end for end in ends)
+            offsets.append(len(inner))
+        written = chunk(inner, self.compression, self.compress)
+        data_place = place + len(written) - len(inner)
+        self.message_ends.extend(data_place + end for end in offsets[1:])
         self.chunk_ends.append(place + len(written))
         return written + index_records(messages, offsets)
 
@@ -173,7 +169,7 @@ def index_records(messages: Sequence[Message], offsets: Sequence[int]) -> bytes:
     for number in sorted({message.connection for message in messages}):
         entries = [
             time(message.log_time) + U32.pack(offset)
-            for message, offset in zip(messages, offsets, strict=True)
+            for message, offset in zip(messages, offsets, strict=False)
             if message.connection == number
         ]
         written += record(
@@ -187,9 +183,7 @@ def index_records(messages: Sequence[Message], offsets: Sequence[int]) -> bytes:
 
 
 def chunk_info(place: int, messages: Sequence[Message]) -> bytes:
-    counts: dict[int, int] = {}
-    for message in messages:
-        counts[message.connection] = counts.get(message.connection, 0) + 1
+    counts = Counter(message.connection for message in messages)
     times = [message.log_time for message in messages] or [0]
     return record(
         b"".join(U32.pack(number) + U32.pack(count) for number, count in counts.items()),
@@ -204,15 +198,5 @@ def chunk_info(place: int, messages: Sequence[Message]) -> bytes:
 
 def small_bag(compression: str = "none", chunks: int = 3, each: int = 4) -> BagBytes:
     """Return a bag of two topics, a few messages a chunk, each payload unlike all others."""
-    messages = [
-        [
-            Message(
-                (chunk + row) % 2,
-                1_600_000_000 * SECOND + (chunk * each + row) * 10_000_000,
-                U32.pack(9) + f"payload{chunk}{row}".encode(),
-            )
-            for row in range(each)
-        ]
-        for chunk in range(chunks)
-    ]
+    messages = [[Message(*one) for one in chunk] for chunk in small_chunks(chunks, each)]
     return BagBytes(messages, [Connection(0, "/left"), Connection(1, "/right")], compression)

@@ -2,8 +2,6 @@
 
 import random
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -14,22 +12,13 @@ from tests.reader.cases import built
 from tests.reader.mcap_bytes import McapBytes, small_mcap
 from tests.reader.reading import Read, Reading, read_bytes
 
-
-class Kind(StrEnum):
-    FLIP = "flip"
-    SET = "set"
-    DELETE = "delete"
-    INSERT = "insert"
-    DUPLICATE = "duplicate"
-    ZERO = "zero"
-    TRUNCATE = "truncate"
+KINDS: Final = ("flip", "set", "delete", "insert", "duplicate", "zero", "truncate")
 
 
-@dataclass(frozen=True)
-class Mutation:
-    """One harm; places and sizes are taken modulo what is there."""
+class Mutation(NamedTuple):
+    """One harm, of one of `KINDS`; places and sizes are taken modulo what is there."""
 
-    kind: Kind
+    kind: str
     place: int
     size: int = 1
     value: int = 0
@@ -37,27 +26,19 @@ class Mutation:
     def apply(self, data: bytes) -> bytes:
         if not data:
             return data
-        place = self.place % len(data)
+        place, other = self.place % len(data), self.value % len(data)
         size = 1 + self.size % 600
         rubbish = random.Random(self.value).randbytes(size)  # noqa: S311 - not for secrets
-        behind = data[place + size :]
-        match self.kind:
-            case Kind.FLIP:
-                middle, behind = bytes([data[place] ^ 1 << self.value % 8]), data[place + 1 :]
-            case Kind.SET:
-                middle = rubbish
-            case Kind.DELETE:
-                middle = b""
-            case Kind.ZERO:
-                middle = bytes(size)
-            case Kind.INSERT:
-                middle, behind = rubbish, data[place:]
-            case Kind.DUPLICATE:
-                other = self.value % len(data)
-                middle, behind = data[other : other + size], data[place:]
-            case Kind.TRUNCATE:
-                middle = behind = b""
-        return data[:place] + middle + behind
+        new, removed = {
+            "flip": (bytes([data[place] ^ 1 << self.value % 8]), 1),
+            "set": (rubbish, size),
+            "delete": (b"", size),
+            "insert": (rubbish, 0),
+            "duplicate": (data[other : other + size], 0),
+            "zero": (bytes(size), size),
+            "truncate": (b"", len(data)),
+        }[self.kind]
+        return data[:place] + new + data[place + removed :]
 
 
 class Case(NamedTuple):
@@ -121,9 +102,7 @@ def check(case: Case, mutations: Sequence[Mutation], reading: Reading) -> None:
         assert not strange, (strange, reading.sentences)
         if not is_bag and len(mutations) == 1:
             assert set(vouched_for) <= set(case.log.written), reading.sentences
-    if case.checksums and set(reading.messages) != set(case.log.written):
-        assert reading.losses
-    assert sum(reading.counts.values()) >= 0
+        assert reading.losses or set(reading.messages) == set(case.log.written)
     for loss in reading.losses:
         assert loss.what
         assert loss.bytes >= 0
@@ -157,7 +136,7 @@ def floor(case: Case, size: int) -> int:
 def random_mutation(chance: random.Random, size: int = 1 << 16) -> Mutation:
     """Return a mutation somewhere in a file of a size."""
     return Mutation(
-        chance.choice(list(Kind)),
+        chance.choice(KINDS),
         chance.randrange(size),
         chance.choice([0, 1, 2, 3, 7, 8, 30, 100, 599]),
         chance.randrange(1 << 16),

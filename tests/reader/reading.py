@@ -2,12 +2,13 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 from dogbot_logtool.reader.containers.log import Extra, LoadedChunk, wrong_statistics
-from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.opening import open_log
 
 
@@ -19,12 +20,27 @@ class Read(NamedTuple):
     payload: bytes
 
 
+def small_chunks(chunks: int, each: int) -> list[list[tuple[int, int, bytes]]]:
+    """Return number of the topic, time and payload of the messages of a small log."""
+    return [
+        [
+            (
+                (chunk + row) % 2,
+                1_600_000_000_000_000_000 + (chunk * each + row) * 10_000_000,
+                (9).to_bytes(4, "little") + f"payload{chunk}{row}".encode(),
+            )
+            for row in range(each)
+        ]
+        for chunk in range(chunks)
+    ]
+
+
 @dataclass(frozen=True)
 class Reading:
     messages: tuple[Read, ...]
     """In the order of the file."""
     losses: tuple[Loss, ...]
-    counts: dict[str, int]
+    counts: Counter[str]
     """What opening the log counted, by topic."""
     topics: tuple[tuple[str, str, bytes], ...]
     """Topic, type and definition of each channel."""
@@ -38,8 +54,7 @@ class Reading:
     @property
     def lost(self) -> int | None:
         """Messages known to be lost; None if a number is not known."""
-        numbers = [loss.messages for loss in self.losses]
-        return None if None in numbers else sum(number or 0 for number in numbers)
+        return lost_messages(self.losses)
 
     @property
     def sentences(self) -> str:
@@ -47,8 +62,7 @@ class Reading:
 
 
 def read_file(path: Path) -> Reading:
-    log = open_log(path)
-    try:
+    with closing(open_log(path)) as log:
         messages: list[Read] = []
         losses = list(log.losses)
         chunks: list[LoadedChunk] = []
@@ -72,10 +86,9 @@ def read_file(path: Path) -> Reading:
             )
         found = Counter(number for batch in batches for number in batch.messages.channel.tolist())
         losses += wrong_statistics(log, found, losses)
-        counts: dict[str, int] = {}
+        counts: Counter[str] = Counter()
         for number, count in log.counts.items():
-            topic = log.channels[number].topic
-            counts[topic] = counts.get(topic, 0) + count
+            counts[log.channels[number].topic] += count
         return Reading(
             tuple(messages),
             tuple(losses),
@@ -90,8 +103,6 @@ def read_file(path: Path) -> Reading:
             log.profile,
             (log.start_time, log.end_time),
         )
-    finally:
-        log.close()
 
 
 def read_bytes(folder: Path, data: bytes) -> Reading:

@@ -105,28 +105,6 @@ def test_every_whole_message_of_a_damaged_bag_is_read(name: str, cut: int) -> No
     assert bool(reading.losses) == (name != "test_sample")
 
 
-@pytest.mark.parametrize(
-    ("cut", "whole"),
-    [
-        ("test_sample_truncated.mcap", "test_sample.mcap"),
-        ("test_sample_truncated@30b73b75.mcap", "test_sample@70eef429.mcap"),
-    ],
-)
-def test_a_truncated_mcap_gives_the_messages_of_its_whole_chunks(cut: str, whole: str) -> None:
-    data = (FIXTURES / cut).read_bytes()
-    reading = read_file(FIXTURES / cut)
-    expected = read_file(FIXTURES / whole)
-    assert (FIXTURES / whole).read_bytes().startswith(data[:-100])
-    in_whole_chunks = [
-        message
-        for chunk, rows in zip(expected.chunks, expected.rows, strict=True)
-        if chunk.chunk.end <= len(data)
-        for message in expected.messages[rows]
-    ]
-    assert list(reading.messages) == in_whole_chunks
-    assert reading.losses
-
-
 OTHER_VERSION: Final = re.compile(r"^metadata\.yaml does not name \S+@\w+\.\w+, so")
 
 

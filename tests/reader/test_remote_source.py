@@ -15,7 +15,7 @@ from dogbot_logtool.errors import CallError, LogError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
-from dogbot_logtool.reader.containers.remote_source import RemoteSource
+from dogbot_logtool.reader.containers.source import RemoteSource
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.report.info_report import info_json
 from tests.oracles.small_logs import odometry_log
@@ -33,33 +33,20 @@ class Server(http.server.BaseHTTPRequestHandler):
     """That of all answers; 0: as it should be."""
 
     def do_HEAD(self) -> None:
-        if self.status:
-            self.send_error(self.status)
-            return
-        if not (self.folder / self.path.lstrip("/")).exists():
-            self.send_error(404)
-            return
-        data = (self.folder / self.path.lstrip("/")).read_bytes()
-        self.send_response(200)
-        self.send_header("Content-Length", str(len(data)))
-        self.send_header("Accept-Ranges", "bytes")
-        self.end_headers()
+        if data := self._content():
+            self.send_response(200)
+            self.send_header("Content-Length", str(len(data)))
+            self.send_header("Accept-Ranges", "bytes")
+            self.end_headers()
 
     def do_GET(self) -> None:
         fault = self.faults.pop(0) if self.faults else ""
-        if self.status:
-            self.send_error(self.status)
-            return
-        if not (self.folder / self.path.lstrip("/")).exists():
-            self.send_error(404)
-            return
-        if fault == "503":
-            self.send_error(503)
-            return
         if fault == "stall":
             self.stalled.wait(20)
             return
-        data = (self.folder / self.path.lstrip("/")).read_bytes()
+        data = self._content(503 if fault == "503" else 0)
+        if not data:
+            return
         wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
         first, _, last = wanted.partition("-")
         piece = data[int(first) : int(last or len(data) - 1) + 1]
@@ -69,6 +56,14 @@ class Server(http.server.BaseHTTPRequestHandler):
         self.send_header("Content-Length", str(len(piece)))
         self.end_headers()
         self.wfile.write(piece[: len(piece) // 2] if fault == "short" else piece)
+
+    def _content(self, status: int = 0) -> bytes:
+        """Return what is asked for; none is there if an error is sent."""
+        file = self.folder / self.path.lstrip("/")
+        if status := status or self.status or (0 if file.exists() else 404):
+            self.send_error(status)
+            return b""
+        return file.read_bytes()
 
     def log_message(self, *_words: object) -> None:
         """Say nothing."""

@@ -80,33 +80,36 @@ def test_a_topic_without_serialisation_is_cdr(tmp_path: Path) -> None:
     log.close()
 
 
-# Pages that several parents share: a small file of endlessly many rows.
-
 PAGE = 512
+MANY = (
+    "WITH RECURSIVE n(i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM n WHERE i < 300) "
+    "INSERT INTO topics SELECT i, '/b', 'std_msgs/msg/String', 'cdr' FROM n"
+)
 
 
-def interior(child: int, count: int) -> bytes:
-    """Return a page of a table's tree all of whose children are one page."""
-    cells = [struct.pack(">IB", child, number + 1) for number in range(count)]
-    places = [PAGE - 5 * (number + 1) for number in range(count)]
-    head = struct.pack(">BHHHBI", 5, 0, count, places[-1], 0, child)
-    head += b"".join(struct.pack(">H", place) for place in places)
-    body = b"".join(reversed(cells))
-    return head + bytes(PAGE - len(head) - len(body)) + body
+def tree(path: Path, table: str) -> tuple[int, list[int], list[int]]:
+    """Return a table's first page, its leaf pages in order, and where in the first they are told.
 
-
-def with_shared_pages(path: Path, table: str, levels: int = 14) -> Path:
-    filling = ("CREATE TABLE filling (data)", "INSERT INTO filling VALUES (zeroblob(20000))")
-    make(path, *filling, page_size=PAGE)
+    Its tree has two levels.
+    """
     root, _ = root_page(path, table)
+    page = path.read_bytes()[(root - 1) * PAGE : root * PAGE]
+    assert page[0] == 5
+    (cells,) = struct.unpack_from(">H", page, 3)
+    places = [*struct.unpack_from(f">{cells}H", page, 12), 8]
+    return root, [struct.unpack_from(">I", page, place)[0] for place in places], places
+
+
+def with_shared_pages(path: Path, table: str) -> Path:
+    """Let all children of a page be one, level below level: a small file of endlessly many rows."""
+    make(path, MANY, rows=300, page_size=PAGE)
+    root, leaves, places = tree(path, table)
     data = bytearray(path.read_bytes())
-    pages = len(data) // PAGE
-    free = range(pages - levels, pages + 1)
-    leaf = data[(root - 1) * PAGE : root * PAGE]
-    chain = [root, *free[1:]]
-    for page, child in pairwise(chain):
-        data[(page - 1) * PAGE : page * PAGE] = interior(child, 60)
-    data[(chain[-1] - 1) * PAGE : chain[-1] * PAGE] = leaf
+    top = data[(root - 1) * PAGE : root * PAGE]
+    for page, child in pairwise([root, *leaves[:14]]):
+        for place in places:
+            struct.pack_into(">I", top, place, child)
+        data[(page - 1) * PAGE : page * PAGE] = top
     path.write_bytes(data)
     return path
 
@@ -140,23 +143,11 @@ def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:
     assert "the database is damaged" in reading.sentences
 
 
-def leaves(path: Path, table: str) -> list[int]:
-    """Return the leaf pages of a table's tree of two levels, in order."""
-    root, _ = root_page(path, table)
-    data = path.read_bytes()
-    page = (root - 1) * PAGE
-    assert data[page] == 5
-    (cells,) = struct.unpack_from(">H", data, page + 3)
-    found = struct.unpack_from(f">{cells}H", data, page + 12)
-    (last,) = struct.unpack_from(">I", data, page + 8)
-    return [*(struct.unpack_from(">I", data, page + cell)[0] for cell in found), last]
-
-
 @pytest.mark.parametrize("which", [0, 4, -1])
 def test_rows_behind_a_damaged_page_are_read(tmp_path: Path, which: int) -> None:
     count = 300
     path = make(tmp_path / "log.db3", rows=count, page_size=PAGE)
-    pages = leaves(path, "messages")
+    _, pages, _ = tree(path, "messages")
     assert len(pages) > 8
     data = bytearray(path.read_bytes())
     start = (pages[which] - 1) * PAGE

@@ -134,12 +134,17 @@ def test_logs_that_were_moved_or_deleted_are_pruned(tmp_path: Path) -> None:
     assert len(files(tmp_path)) == 5 * len(names)
 
 
-def test_the_query_of_a_url_tells_logs_apart_and_is_a_secret() -> None:
+def test_a_dataset_in_a_store() -> None:
     root, log = UPath("memory://lab/walks"), UPath("memory://lab/walk.bag")
     log.write_bytes(short().read_bytes())
     dataset = dataset_at(root, MeasureOptions(), {})
     (entry,) = dataset.begin(LogSet((Found(log),), 0)).entries
     tables = measure_entry(entry, options=MeasureOptions()).tables
+    dataset.write(entry, tables, damaged=False)
+    log.unlink()
+    assert dataset.begin(LogSet((), 0), prune=True).pruned == (str(log),)
+    assert not list(root.rglob("*.parquet"))
+    # The query of a URL tells logs apart, and is a secret.
     for query in ("first", "second"):
         url = UPath(f"https://host/log.bag?{query}=secret")
         dataset.write(Entry(url, hash_of(url), {}), tables, damaged=False)

@@ -37,8 +37,6 @@ def some() -> Iterator[Case]:
         ("six feet, no topic of a middle one", replace(WAVE, seconds=16.0), ("middle_left",)),
     ):
         yield Case(name, gait, (foot.without(*feet), NO_MASS), "NO_MESSAGES")
-    yield Case("force sensors on the fore feet, bumpers on the hind feet", TROT,
-               (foot.fore_feet_feel_forces,), skip="slip, margin")
 
 
 def several() -> Iterator[Case]:

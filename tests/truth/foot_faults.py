@@ -123,17 +123,6 @@ def several(*names: str, share_frames: bool = False, reach_m: float = 0.1) -> Di
     return change
 
 
-def fore_feet_feel_forces(recording: Recording) -> Recording:
-    """Let the fore feet have force sensors, the hind feet bumpers, and the user name them all."""
-    robot = recording.robot
-    topics = {name: robot.topic(row) for row, name in enumerate(robot.feet)}
-    return replace(
-        recording,
-        kinds=("wrench", "wrench", "contacts", "contacts"),
-        given={**recording.given, "foot": topics},
-    )
-
-
 # Events
 
 CONTACT_N = 60.0

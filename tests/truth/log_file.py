@@ -40,7 +40,7 @@ def _entries(recording: Recording) -> Iterator[Entry]:
     else:
         for foot in range(len(recording.feet)):
             for sensor in recording.sensors_of(foot):
-                yield from _SENSORS[recording.kind_of(foot)](recording, sensor)
+                yield from _SENSORS[recording.kind](recording, sensor)
     if recording.has_tf:
         yield from _transform_entries(recording)
     if recording.statics:

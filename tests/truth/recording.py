@@ -170,8 +170,6 @@ class Recording:
     truth: Truth
     seconds: float
     kind: SensorKind = "contacts"
-    kinds: tuple[SensorKind, ...] = ()
-    """Kind of each foot's sensor, where they differ."""
     sensors: tuple[tuple[Sensor, ...], ...] = ()
     """Those of each foot, where it has several."""
     has_tf: bool = False
@@ -190,10 +188,6 @@ class Recording:
     """Frames that sit on the base: name, translation and quaternion, as one static transform."""
     given: dict[str, Any] = field(default_factory=dict)
     """Options that the user gives; without ``mass`` the truth."""
-
-    def kind_of(self, foot: int) -> SensorKind:
-        """Return the kind of a foot's sensor."""
-        return self.kinds[foot] if self.kinds else self.kind
 
     def sensors_of(self, foot: int) -> tuple[Sensor, ...]:
         """Return a foot's sensors."""

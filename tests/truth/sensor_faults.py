@@ -72,12 +72,15 @@ def noise(row: int, foot: FootRecording, std_n: float, seed: int = 0) -> FootRec
 
 
 @of_feet
-def spikes(row: int, foot: FootRecording, newtons: float, every_s: float) -> FootRecording:
-    """Add lone samples of much force along z, at random."""
+def spikes(
+    row: int, foot: FootRecording, newtons: float, every_s: float, apart: int = 0
+) -> FootRecording:
+    """Add lone samples of much force along z, at random, or pairs of them some samples apart."""
     random = np.random.default_rng((0, row))
     count = max(1, int(foot.time[-1] / every_s))
     extra = np.zeros(len(foot.time))
-    extra[random.choice(len(extra), count, replace=False)] = newtons
+    at = 8 * random.choice(len(extra) // 8 - 1, count, replace=False)
+    extra[at] = extra[at + apart] = newtons
     return _plus(foot, extra)
 
 
@@ -198,19 +201,6 @@ def wobble(newtons: float, turns: int = 2) -> Disturbance:
     return lambda recording: recording.each_foot(
         lambda row, foot: change(foot, recording.truth.feet[row].swing_s or np.inf)
     )
-
-
-@of_feet
-def spike_pairs(
-    row: int, foot: FootRecording, newtons: float, every_s: float, apart: int
-) -> FootRecording:
-    """Add two lone samples of much force along z, some samples apart, at random."""
-    random = np.random.default_rng((0, row))
-    at = random.integers(5, len(foot.time) - 5 - apart, int(foot.time[-1] / every_s))
-    extra = np.zeros(len(foot.time))
-    extra[at] += newtons
-    extra[at + apart] += newtons
-    return _plus(foot, extra)
 
 
 @of_feet

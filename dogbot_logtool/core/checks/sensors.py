@@ -76,13 +76,13 @@ def filtered(walk: Walk) -> Iterator[Finding]:
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:
-    """Yield feet of which no message tells, or none that can be used."""
+    """Yield feet with a topic of which no message tells, or none that can be used."""
     for row, foot in enumerate(walk.feet):
-        record, on = foot.record, f" on {foot.topic}" if foot.topic else ""
+        record = foot.record
         unusable = record.start is None and not walk.settings.feet[row].rule.unusable
-        if not record.messages or unusable:
+        if foot.topic and (not record.messages or unusable):
             say = "unusable" if record.messages else "plain"
-            yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), on=on)
+            yield found("NO_MESSAGES", "foot", say=say, feet=(foot.name,), topic=foot.topic)
 
 
 def some_feet(walk: Walk) -> Iterator[Finding]:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
-    Complexes,
     Flags,
     Float32s,
     Floats,
@@ -144,11 +143,11 @@ def contact_travel(
         mean: (k,) N, mean of |F| in each stance.
 
     Returns:
-        (5, k): m, the net travel, and the reach, which is the largest distance from where the point
-        is at 10 %; NaN where no samples with a contact point surround both instants. Then that of
-        `_travel`, by steps between neighbouring loaded samples; NaN where nothing is known.
+        (3, k): m, the net travel, and the reach, which is the largest distance from where the point
+        is at 10 %; NaN where no samples with a contact point surround both instants. Then the reach
+        by steps between neighbouring loaded samples; NaN where nothing is known.
     """
-    found = np.full((5, len(begin)), np.nan)
+    found = np.full((3, len(begin)), np.nan)
     rows, stance, _ = rows_of_runs(np.maximum(begin - 1, 0), end + 1)
     x, y, _ = samples.position.take(rows, axis=0).astype(np.float64, copy=False).T
     point = np.asarray(x + 1j * y)
@@ -170,44 +169,17 @@ def contact_travel(
         counts = inside & np.isfinite(away)
         np.maximum.at(found[1], stance[counts], away[counts])
     if inside.any():
-        rows, stance, time, point = rows[inside], stance[inside], since[inside] / 1e9, point[inside]
+        rows, stance, point = rows[inside], stance[inside], point[inside]
         first, count = runs_of(stance)
-        own = np.repeat(np.arange(len(first)), count)
         step = np.diff(point, prepend=point[0])
         loaded = track.force[rows] >= (LOADED * mean)[stance]
         # A step counts between two loaded rows of one stance.
         counts = loaded & np.roll(loaded, 1)
         counts[first] = False
         total = np.cumsum(np.where(counts, step, 0.0))
-        found[2:, stance[first]] = _travel(time, total - total[first][own], own, first)
+        away = np.abs(total - np.repeat(total[first], count))
+        found[2, stance[first]] = np.maximum.reduceat(away, first)
     return found
-
-
-def _travel(time: Floats, path: Complexes, own: Ints, first: Ints) -> Floats:
-    """Find how far contact points go in each of m stances.
-
-    Args:
-        time: (n,) s after touchdown.
-        path: (n,) m, way of the contact point since the stance's first row.
-        own: (n,) ascending, the stance of each row.
-        first: (m,) first row of each stance.
-
-    Returns:
-        (3, m): m, the largest distance from where the point began; s after touchdown, with a tenth
-        and with nine tenths of that; NaN where the point goes nowhere.
-    """
-    rows, distance = np.arange(len(path)), np.abs(path)
-    reach = np.maximum.reduceat(distance, first)
-    share = distance / np.where(reach > 0.0, reach, 1.0)[own]
-    half, ends = (
-        np.minimum.reduceat(np.where(share >= part, rows, len(rows)), first) for part in (0.5, 0.9)
-    )
-    rests = (share <= 0.1) & (rows < half[own])
-    begins = np.maximum.reduceat(np.where(rests, rows, -1), first)
-    # Where samples are too far apart, it is not seen when it begins.
-    goes = (reach > 0.0) & (begins >= 0) & (ends < len(rows))
-    times = (np.where(goes, time[np.where(goes, row, 0)], np.nan) for row in (begins, ends))
-    return np.stack([reach, *times])
 
 
 IMPACT_S: Final = 0.050
@@ -268,10 +240,6 @@ class StanceFigures(NamedTuple):
     """95th percentile of tangential over normal force."""
     loaded_reach_m: Floats
     """m, the same reach, of steps between loaded samples only: a hardly loaded foot may tip."""
-    reach_begins_s: Floats
-    """s after touchdown, the last time before half of that reach with at most a tenth of it."""
-    reach_ends_s: Floats
-    """s after touchdown, the first time with at least nine tenths of it."""
 
 
 class Stances(NamedTuple):
@@ -352,7 +320,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     spike_phase = np.full(len(begin), np.nan)
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
-    travel, reach, loaded_reach, begins, ends = contact_travel(samples, track, begin, end, mean)
+    travel, reach, loaded_reach = contact_travel(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
@@ -369,8 +337,6 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         contact_reach_m=reach,
         friction_use=_friction_use(samples, track, rows, stance, on_n),
         loaded_reach_m=loaded_reach,
-        reach_begins_s=begins,
-        reach_ends_s=ends,
     )
     return np.stack(found)
 

@@ -12,6 +12,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     flagged_runs,
+    mean_of_known,
     median_of,
     nearest_rows,
 )
@@ -97,15 +98,11 @@ def estimate(
     Raises:
         ValueError: a sentence: why they tell nothing.
     """
-    seconds, motions, rates = joints.seconds, [], []
-    for leg in legs:
-        positions = joints.position[:, joints.columns(leg.measured)]
-        motions.append(leg_motion(leg, positions))
-        rates.append(slopes(seconds, positions))
+    motions = [leg_motion(leg, joints.position[:, joints.columns(leg.measured)]) for leg in legs]
     if stuck := stuck_joint(joints, legs):
         raise ValueError(stuck)
     inertial, turns_from = _inertial(recording, joints, mounting)
-    feet = _resting(joints, motions, rates, inertial)
+    feet = _resting(joints, motions, inertial)
     if turns_from == _BY_FEET:
         feet = _turned_by_feet(feet)
     inertial, points, ground = feet.inertial, feet.points, feet.ground
@@ -113,7 +110,7 @@ def estimate(
     standing = ground.resting
     if not why:
         vertical = np.einsum("nfi,ni->nf", force, inertial.up)
-        standing = loaded_feet(seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
+        standing = loaded_feet(joints.seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
     standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
     moved = feet.odometry(standing)
     if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
@@ -167,26 +164,22 @@ class _Resting(NamedTuple):
         return leg_odometry(self.time, self.points, sure, self.inertial.turn, self.velocity)
 
 
-def _resting(
-    joints: LegJoints, motions: Sequence[LegMotion], rates: Sequence[Floats], inertial: Inertial
-) -> _Resting:
+def _resting(joints: LegJoints, motions: Sequence[LegMotion], inertial: Inertial) -> _Resting:
     """Tell which feet rest.
 
     Args:
         joints: of all legs.
         motions: of each leg.
-        rates: (n, k) rad/s or m/s, of the joints of each leg.
         inertial: how the base leans and turns.
     """
-    up = inertial.up
-    points = np.stack([each.foot - each.leg.radius_m * up for each in motions], axis=1)
-    moved = [
-        np.einsum("nik,nk->ni", motion.jacobian(points[:, foot])[0], rates[foot])
-        for foot, motion in enumerate(motions)
-    ]
-    velocity = np.stack(moved, axis=1)
-    ground = resting_feet(joints.seconds, points, velocity, inertial.turn, up)
-    return _Resting(joints.time, inertial, points, velocity, ground)
+    up, rates, points, moved = inertial.up, slopes(joints.seconds, joints.position), [], []
+    for each in motions:
+        points.append(each.foot - each.leg.radius_m * up)
+        jacobian, _ = each.jacobian(points[-1])
+        moved.append(np.einsum("nik,nk->ni", jacobian, rates[:, joints.columns(each.leg.measured)]))
+    place, velocity = np.stack(points, axis=1), np.stack(moved, axis=1)
+    ground = resting_feet(joints.seconds, place, velocity, inertial.turn, up)
+    return _Resting(joints.time, inertial, place, velocity, ground)
 
 
 def _turned_by_feet(feet: _Resting) -> _Resting:
@@ -313,13 +306,9 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:
     """(n,) m, of the base over the mean of the standing feet."""
-    below = np.where(standing, -np.einsum("nfi,ni->nf", points, up), 0.0)
-    count = standing.sum(axis=1)
-    some = np.flatnonzero(count)
-    if not len(some):
-        return np.zeros(len(seconds))
-    heights = below.sum(axis=1)[some] / count[some]
-    return np.asarray(np.interp(seconds, seconds[some], heights))
+    below = mean_of_known(np.where(standing, -np.einsum("nfi,ni->nf", points, up), np.nan))
+    some = np.flatnonzero(np.isfinite(below))
+    return np.interp(seconds, seconds[some], below[some]) if len(some) else np.zeros(len(seconds))
 
 
 def _samples(foot: int, standing: Flags, points: Floats, force: Floats, base: Odometry) -> Samples:

@@ -106,7 +106,7 @@ def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoi
 BLOCK_S: Final = 0.5
 """s, spans in which joints are looked at whether they move."""
 STUCK: Final = 4
-"""Spans one after the other in which a joint that tells one position is stuck, at least."""
+"""Spans in which a joint that tells one position is stuck, at least."""
 MOVES_RAD: Final = 0.05
 """rad, or m: a joint that goes further in such a span moves."""
 
@@ -119,25 +119,23 @@ def stuck_joint(joints: LegJoints, legs: Sequence[Leg]) -> str:
         legs: of the robot.
 
     Returns:
-        a sentence; empty: all move, or none.
+        a sentence; empty: all move, or none, or legs have different joints.
     """
-    blocks = (joints.seconds / BLOCK_S).astype(np.int64)
-    _, first = np.unique(blocks, return_index=True)
+    columns = [joints.columns(leg.measured) for leg in legs]
+    if len({len(each) for each in columns}) > 1:
+        return ""
+    _, first = np.unique((joints.seconds / BLOCK_S).astype(np.int64), return_index=True)
     highest, lowest = (
         extreme.reduceat(joints.position, first, axis=0) for extreme in (np.maximum, np.minimum)
     )
-    ways = [(highest - lowest)[:, joints.columns(leg.measured)] for leg in legs]
-    for leg, own in zip(legs, ways, strict=True):
-        others = [way for way in ways if way is not own and way.shape == own.shape]
-        if not others:
-            continue
-        stuck = (own == 0.0) & (median_of(others, axis=0) > MOVES_RAD)
-        for name, column in zip(leg.measured, stuck.T, strict=True):
-            longest = int(np.diff(flagged_runs(column)).max(initial=0))
-            if longest >= STUCK:
-                seconds = longest * BLOCK_S
-                return f"{name} tells one position for {seconds:.3g} s while other legs move"
-    return ""
+    ways = (highest - lowest)[:, columns]
+    others_move = median_of(ways, axis=1)[:, None] > MOVES_RAD
+    stuck = ((ways == 0.0) & others_move).sum(axis=0)
+    if stuck.max(initial=0) < STUCK:
+        return ""
+    leg, column = np.unravel_index(stuck.argmax(), stuck.shape)
+    seconds, name = stuck.max() * BLOCK_S, legs[leg].measured[column]
+    return f"{name} tells one position for {seconds:.3g} s while other legs move"
 
 
 SLOPE_S: Final = 0.02

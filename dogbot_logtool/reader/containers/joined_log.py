@@ -16,6 +16,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.io.storage import Location, file_name
 from dogbot_logtool.provenance import is_marked
+from dogbot_logtool.reader.containers.compression import unpacked
 from dogbot_logtool.reader.containers.log import (
     Batch,
     Channel,
@@ -28,7 +29,6 @@ from dogbot_logtool.reader.containers.log import (
 )
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
-from dogbot_logtool.reader.containers.zstd import unpacked
 
 _EARLIEST: Final = -(1 << 62)
 
@@ -90,7 +90,6 @@ class JoinedLog(Log):
             loaded = tuple(
                 each._replace(
                     stored=memoryview(b""),
-                    base=base + each.base,
                     rows=slice(row + each.rows.start, row + each.rows.stop),
                     whole=False,
                 )

@@ -167,15 +167,11 @@ class LoadedChunk(NamedTuple):
     chunk: Chunk
     stored: memoryview
     """Its bytes as they stand in the file, where the log copies chunks; else none."""
-    base: int
-    """Offset of its decompressed bytes in the batch's buffer."""
     rows: slice
     """Its rows in the batch's messages."""
     whole: bool
-    """Nothing in it was damaged, so that its bytes may be copied as they stand, and those of its
-    index if it is `indexed`."""
-    indexed: bool = False
-    """An index that truthfully names all its messages follows it in the file."""
+    """Nothing in it was damaged, and an index that truthfully names all its messages follows it in
+    the file, so that the bytes of both may be copied as they stand."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -427,15 +427,14 @@ class RecordLog(Log):
             messages, found = self._described(chunk, content)
             found += self.descriptions.compare(content.described, chunk.offset)
             rows = slice(row, row + len(messages))
-            has_index = len(data) > chunk.end - chunk.offset
             whole = (
                 chunk.is_record
                 and not found
-                and content.indexed == has_index
+                and content.indexed
                 and (not self.hidden or self._are_kept(content.described))
             )
             copied = data if self.copies_chunks else memoryview(b"")
-            loaded.append(LoadedChunk(chunk, copied, base, rows, whole, content.indexed))
+            loaded.append(LoadedChunk(chunk, copied, rows, whole))
             parts.append(messages.shifted(base))
             losses.extend(() if chunk.is_scanned else found)
             base, row = base + chunk.size, rows.stop

@@ -15,9 +15,14 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels, read_feet
 from dogbot_logtool.reader.messages.gazebo import PairStates, read_pairs
 from dogbot_logtool.reader.messages.message_type import MessageType
-from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, definition_of
-from dogbot_logtool.reader.messages.source import Source, first_fitting, source_of, without_sender
-from dogbot_logtool.reader.messages.table import types_of
+from dogbot_logtool.reader.messages.messages import DecodedMessages, definition_of
+from dogbot_logtool.reader.messages.source import (
+    Source,
+    decoded_by,
+    first_fitting,
+    source_of,
+    without_sender,
+)
 
 
 def foot_source(channel: Channel, feet: Iterable[Foot] = ()) -> Source | None:
@@ -88,16 +93,8 @@ def read_contacts(
     batch: Batch, channels: Sequence[Channel], feet: FootChannels
 ) -> list[ReadContacts]:
     """Read the contact messages of a batch; one entry a definition, nearly always one."""
-    groups: dict[Source, list[Channel]] = {}
-    for channel in channels:
-        if source := foot_source(channel, feet.of(channel.id)):
-            groups.setdefault(source, []).append(channel)
-    order = {name: index for index, name in enumerate(types_of("feet"))}
-    return [
-        _read(source, messages, feet)
-        for source in sorted(groups, key=lambda each: order.get(each.row.name, len(order)))
-        for messages in decode_channels(batch, groups[source], source.columns)
-    ]
+    sources = ((channel, foot_source(channel, feet.of(channel.id))) for channel in channels)
+    return [_read(source, messages, feet) for source, messages in decoded_by(batch, sources)]
 
 
 def _read(source: Source, messages: DecodedMessages, feet: FootChannels) -> ReadContacts:

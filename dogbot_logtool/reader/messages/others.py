@@ -10,8 +10,8 @@ from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.messages.message_type import Part
-from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, malformed_in
-from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
+from dogbot_logtool.reader.messages.source import Source, decoded_by, source_of
 from dogbot_logtool.reader.messages.table import TABLE, types_of
 
 JOINT_TYPES: Final = tuple(
@@ -29,14 +29,8 @@ _MOST_CELLS: Final = 1 << 22
 def _decoded(
     batch: Batch, channels: Sequence[Channel], part: Part
 ) -> Iterator[tuple[Source, DecodedMessages]]:
-    """Yield the messages of channels and how they are read, one entry a definition."""
-    groups: dict[Source, list[Channel]] = {}
-    for channel in channels:
-        source = source_of(channel, part)
-        if source is not None and not source.fault:
-            groups.setdefault(source, []).append(channel)
-    for source, own in groups.items():
-        yield from ((source, each) for each in decode_channels(batch, own, source.columns))
+    """Yield the messages of channels and how a part of them is read, one entry a definition."""
+    return decoded_by(batch, ((channel, source_of(channel, part)) for channel in channels))
 
 
 # Joints

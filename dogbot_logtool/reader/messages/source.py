@@ -1,6 +1,6 @@
 """Rows of the table, fitted to the definitions of a log: how a channel's messages are read."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -9,11 +9,11 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import DefinitionError
-from dogbot_logtool.reader.containers.log import Channel
+from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.paths import Columns, FieldPath, Want, columns_of, path_of
 from dogbot_logtool.reader.messages.message_type import WANTS, MessageType, Part
-from dogbot_logtool.reader.messages.messages import DecodedMessages, described
+from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, described
 from dogbot_logtool.reader.messages.table import rows_of
 
 Paths = Mapping[str, tuple[FieldPath, ...]]
@@ -81,6 +81,23 @@ class Source:
         if not self.has_header or self._lists("stamp"):
             return np.zeros(len(messages.log_time), np.int64)
         return self.paths["stamp"][0].times(messages.table)
+
+
+def decoded_by(
+    batch: Batch, sources: Iterable[tuple[Channel, Source | None]]
+) -> Iterator[tuple[Source, DecodedMessages]]:
+    """Yield the messages of channels and how they are read, one entry a definition.
+
+    Args:
+        batch: messages.
+        sources: channels and how each is read; None, or one with a fault: it is not.
+    """
+    groups: dict[Source, list[Channel]] = {}
+    for channel, source in sources:
+        if source is not None and not source.fault:
+            groups.setdefault(source, []).append(channel)
+    for source, own in groups.items():
+        yield from ((source, each) for each in decode_channels(batch, own, source.columns))
 
 
 def source_of(channel: Channel, part: Part) -> Source | None:

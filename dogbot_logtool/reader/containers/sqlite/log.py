@@ -10,6 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.io.storage import Location, name_of
+from dogbot_logtool.reader.containers.compression import unpacked
 from dogbot_logtool.reader.containers.log import (
     Batch,
     Channel,
@@ -33,7 +34,6 @@ from dogbot_logtool.reader.containers.sqlite.tables import (
     small_rows,
 )
 from dogbot_logtool.reader.containers.sqlite.tree import Damage
-from dogbot_logtool.reader.containers.zstd import unpacked
 from dogbot_logtool.reader.decode.definition import known_definition, long_type_name
 
 _CHUNK_SIZE: Final = 1 << 20
@@ -68,7 +68,7 @@ class SqliteLog(Log):
         loaded: list[LoadedChunk] = []
         for chunk in span:
             rows = slice(*np.searchsorted(leaf, (chunk.data_offset, chunk.end + 1)).tolist())
-            loaded.append(LoadedChunk(chunk, memoryview(b""), 0, rows, whole=False))
+            loaded.append(LoadedChunk(chunk, memoryview(b""), rows, whole=False))
             if lost := (chunk.messages or 0) - (rows.stop - rows.start):
                 what = f"the database is damaged: {lost} messages cannot be read"
                 losses.append(Loss(0, what, 0, lost))
