@@ -87,16 +87,21 @@ def in_order(
 
 
 def _result(pool: "Executor", future: "Future[Result]") -> Result:
-    """Wait for a result; where a process has died meanwhile, end the others.
-
-    One that dies while it sends leaves a part of a result, for whose rest the pool waits for ever.
-    """
+    """Wait for a result; where a process has died meanwhile, end the others."""
     from concurrent.futures import wait  # noqa: PLC0415 - see above
 
     while not wait([future], _LOOK_EVERY_S).done:
-        if not all(process.is_alive() for process in processes_of(pool)):
-            kill_processes(pool)
+        kill_if_one_died(pool)
     return future.result()
+
+
+def kill_if_one_died(pool: "Executor") -> None:
+    """End the processes of a pool one of which has died.
+
+    One that dies while it sends leaves a part of a result, for whose rest the pool waits for ever.
+    """
+    if not all(process.is_alive() for process in processes_of(pool)):
+        kill_processes(pool)
 
 
 def kill_processes(pool: "Executor") -> None:

@@ -83,16 +83,14 @@ class ClusterRunner(ExecutorRunner[Result]):
     def _run_lost(self) -> RunLost:
         return RunLost(f"was not done: the scheduler {self._name} was lost")
 
-    def may_help(self, error: Exception) -> bool:
-        """See `ExecutorRunner.may_help`.
+    def explain(self, error: Exception, *, again: bool) -> str | None:
+        """See `ExecutorRunner.explain`.
 
         Dask tries again itself. But it raises a TypeError where the worker dies whose result it has
         just fetched; errors of the work itself are outcomes, and none of these.
         """
-        return isinstance(error, TypeError)
-
-    def explain(self, error: Exception) -> str:
-        """See `ExecutorRunner.explain`."""
+        if isinstance(error, TypeError) and not again:
+            return None
         if isinstance(error, CancelledError):
             # The client cancels everything when it loses the scheduler.
             return str(self._run_lost())

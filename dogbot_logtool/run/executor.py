@@ -61,12 +61,13 @@ class ExecutorRunner(Runner[Result]):
         """
 
     @abstractmethod
-    def explain(self, error: Exception) -> str:
-        """Return the outcome, in words, of an item whose worker was lost for good."""
+    def explain(self, error: Exception, *, again: bool) -> str | None:
+        """Return the outcome, in words, of an item whose worker was lost; None: try once more.
 
-    def may_help(self, error: Exception) -> bool:  # noqa: ARG002 - of other executors
-        """Tell whether another try may help an item whose worker was lost."""
-        return True
+        Args:
+            error: of the executor.
+            again: whether that was the second try.
+        """
 
     def run(
         self, work: Work[Result], items: Sequence[Any], progress: Progress
@@ -113,9 +114,10 @@ class ExecutorRunner(Runner[Result]):
         try:
             outcome = future.result()
         except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
-            if number not in state.retried and self.may_help(error):
+            why = self.explain(error, again=number in state.retried)
+            if why is None:
                 state.lost.append(number)
                 return
-            outcome = Failure(self.explain(error), 1)
+            outcome = Failure(why, 1)
         state.finished[number] = outcome
         progress.finished(number)

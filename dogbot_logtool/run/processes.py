@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from typing import Final
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.reader.workers import kill_processes, processes_of
+from dogbot_logtool.reader.workers import kill_if_one_died, kill_processes, processes_of
 from dogbot_logtool.run.executor import ExecutorRunner
 from dogbot_logtool.run.runner import Failure, Result, Work, attempt
 from dogbot_logtool.signals import (
@@ -36,8 +36,6 @@ _CLEAN_UP_S: Final = 5.0
 """Time for a worker to remove what it has begun to write."""
 _END_S: Final = 8.0
 """Time for workers to end: one that was stopped, or that got no memory for it, never does."""
-_MOST_LOOKS: Final = 8
-"""Looks at a pool with a dead worker before its other workers are ended."""
 
 
 class ProcessRunner(ExecutorRunner[Result]):
@@ -53,8 +51,9 @@ class ProcessRunner(ExecutorRunner[Result]):
         """
         self.jobs = jobs
         self.capacity = workers
-        self._looks = 0
-        forks = _can_fork() and threading.active_count() == 1
+        # Apple's libraries do not survive a fork, and daemonic processes may have no children.
+        forks = sys.platform == "linux" and not multiprocessing.current_process().daemon
+        forks = forks and threading.active_count() == 1
         if forks and load is not None:
             importlib.import_module(load)
         self._pool = self._opened("fork" if forks else "spawn")
@@ -74,22 +73,17 @@ class ProcessRunner(ExecutorRunner[Result]):
                 # waits for it without having ended it.
                 kill_processes(self._pool)
                 self._pool.shutdown()
-                self._looks = 0
                 self._pool = self._opened("spawn")
                 return self._pool.submit(_attempt, work, item)
 
     def look(self) -> None:
-        """See `ExecutorRunner.look`.
+        """See `ExecutorRunner.look`."""
+        kill_if_one_died(self._pool)
 
-        A worker that dies while it sends leaves a part of a result, for whose rest the pool waits
-        for ever; a pool that notices the death has no processes any more.
-        """
-        self._looks += any(not each.is_alive() for each in processes_of(self._pool))
-        if self._looks > _MOST_LOOKS:
-            kill_processes(self._pool)
-
-    def explain(self, error: Exception) -> str:
+    def explain(self, error: Exception, *, again: bool) -> str | None:
         """See `ExecutorRunner.explain`."""
+        if not again:
+            return None
         if isinstance(error, BrokenExecutor):
             return "the process that worked on it died twice, perhaps because memory ran out"
         return f"its result cannot be sent: {type(error).__name__}: {error}"
@@ -105,12 +99,6 @@ class ProcessRunner(ExecutorRunner[Result]):
                 process.join(max(end - time.monotonic(), 0.0))
             kill_processes(self._pool)
             self._pool.shutdown(cancel_futures=True)
-
-
-def _can_fork() -> bool:
-    """Tell whether this process may fork: Apple's libraries do not survive it."""
-    forks = sys.platform == "linux" and hasattr(os, "fork")
-    return forks and not multiprocessing.current_process().daemon
 
 
 @contextmanager

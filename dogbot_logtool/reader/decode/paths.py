@@ -17,6 +17,7 @@ nearest fields that there are.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from copy import copy
 from itertools import islice
 from typing import Any, Final, Literal, NamedTuple
 
@@ -227,20 +228,19 @@ def path_of(text: str, want: Want, definition: Struct) -> FieldPath:
         walk.enter(match[1])
         if match[2] is not None:
             arrays.append(walk.array(match, want if number == len(parts) else None))
-    found, leaf = walk.found, ".".join(walk.names)
+    found, components = walk.found, ""
     columns: Columns = (walk.path,)
-    components = ""
-    of_numbers = bool(arrays) and not leaf and arrays[-1].kind != "messages"
+    of_numbers = bool(arrays) and not walk.leaf and arrays[-1].kind != "messages"
     if want in {"xyz", "xyzw"} and not of_numbers:
         components, columns = want, tuple(f"{walk.path}.{each}" for each in want)
         for each in want:
-            walk.enter(each)
-            walk.require(isinstance(walk.found, Primitive), "a single number")
-            walk.leave()
+            inner = copy(walk)
+            inner.enter(each)
+            inner.require(isinstance(inner.found, Primitive), "a single number")
     elif not of_numbers:
         walk.require(_is_single(found, want), f"a single {_CALLED.get(want, want)}")
     is_integer = isinstance(found, Primitive) and found.dtype[0] in "iu"
-    return FieldPath(tuple(arrays), leaf, columns, components, int(mask or "0", 0), is_integer)
+    return FieldPath(tuple(arrays), walk.leaf, columns, components, int(mask or "0", 0), is_integer)
 
 
 class _Walk:
@@ -248,37 +248,24 @@ class _Walk:
 
     def __init__(self, definition: Struct) -> None:
         self._type_name = short_type_name(definition.name)
-        self._fields: list[FieldType] = [definition]
-        self._done: list[str] = []
-        self.names: list[str] = []
+        self.found: FieldType = definition
+        self.path = ""
+        """From the message on."""
+        self.leaf = ""
         """From the message, or the element of the last array, on."""
-
-    @property
-    def found(self) -> FieldType:
-        return self._fields[-1]
-
-    @property
-    def path(self) -> str:
-        return ".".join(self._done)
 
     def enter(self, name: str) -> None:
         """Go on to a field of a message."""
         found = self.found
         self.require(isinstance(found, Struct), "a single message")
         fields = dict(found.fields) if isinstance(found, Struct) else {}
-        self._done.append(name)
-        self.names.append(name)
+        self.path, self.leaf = (f"{each}.{name}".lstrip(".") for each in (self.path, self.leaf))
         if name not in fields:
             raise DefinitionError(
                 f"the log's definition of {self._type_name} has no field {self.path!r}, "
                 "which is needed"
             )
-        self._fields.append(fields[name])
-
-    def leave(self) -> None:
-        """Go back from the last field."""
-        for each in (self._fields, self._done, self.names):
-            each.pop()
+        self.found = fields[name]
 
     def array(self, match: re.Match[str], want: Want | None) -> ArrayPart:
         """Go on to the elements of the array that was entered; return which are wanted.
@@ -300,9 +287,7 @@ class _Walk:
         fits = isinstance(found, shape) and isinstance(element, elements)
         fits &= not isinstance(found, FixedArray) or found.length >= (end or 0)
         self.require(fits, expected.format(least=f"at least {end} " if end else ""))
-        path = ".".join(self.names)
-        self._fields.append(element)
-        self.names.clear()
+        path, self.found, self.leaf = self.leaf, element, ""
         return ArrayPart(path, kind, begin, end, int(width or 1), int(length or 0), bool(or_more))
 
     def require(self, fits: bool, expected: str) -> None:  # noqa: FBT001 - as an assertion
