@@ -10,6 +10,7 @@ import os
 import pkgutil
 import pty
 import resource
+import shlex
 import signal
 import subprocess
 import sys
@@ -177,3 +178,12 @@ def _standard_stream(number: int) -> IO[str]:
         errors=errors,
         closefd=False,
     )
+
+
+def command(printed: str) -> list[str]:
+    """Return the words after the program's name of the one command for feet that was printed."""
+    lines = [line for line in printed.splitlines() if line.lstrip().startswith("dogbot-logtool ")]
+    # Joints may tell the same with a description of the robot.
+    lines = [line for line in lines if "--urdf ROBOT.urdf" not in line]
+    assert len(lines) == 1
+    return shlex.split(lines[0])[1:]

@@ -177,7 +177,7 @@ def mask_walk(corrected: Corrected) -> Walk:
 def _measured(walk: Walk) -> Walk:
     """Measure a walk of which the masks are known."""
     settings, records, feet = walk.settings, walk.records, walk.feet
-    supported = walk.support_in()
+    supported = support(records) if walk.contacts_known else None
     segments: tuple[Segment, ...] = ()
     if feet and not walk.feet_clocks_are_apart:
         segments = find_segments(feet, walk.standing, contacts_known=supported is not None)

@@ -219,6 +219,14 @@ def median_of_known(values: ArrayLike, axis: int) -> Any:  # noqa: ANN401 - as n
     return np.concatenate(middle).mean(axis=0)
 
 
+def mean_of_known(values: Floats) -> Floats:
+    """(n,) mean of each row's values that are finite, (n, k); NaN where none is."""
+    known = np.isfinite(values)
+    with np.errstate(invalid="ignore"):
+        mean: Floats = np.where(known, values, 0.0).sum(axis=1) / known.sum(axis=1)
+    return mean
+
+
 def percentiles_of(
     values: ArrayLike, percents: float | Sequence[float], axis: int | None = None
 ) -> Any:  # noqa: ANN401 - as numpy has it

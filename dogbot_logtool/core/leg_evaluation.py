@@ -5,7 +5,7 @@ description, at a low rate. A swing is a foot's way in the world, above the line
 footfalls.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -53,8 +53,10 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         settings: sources of the legs.
     """
     joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
-    for name in {each.name for each in settings.joints if each.source} & joints.keys():
-        joints[name] = joints[name]._replace(follows=True)
+    following = {each.name for each in settings.joints if each.source}
+    for name, joint in joints.items():
+        foot = settings.foot_of_joint.get(name)
+        joints[name] = joint._replace(foot=foot, follows=name in following)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
     links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links
@@ -69,13 +71,13 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         _leg(walk, settings, row, path, UNPLACED if unplaced else "")
         for row, path in enumerate(paths)
     ]
-    feet = tuple(_with_leg(walk, settings, row, legs, joints) for row in range(len(legs)))
+    feet = tuple(_with_leg(walk, settings, row, legs, joints.values()) for row in range(len(legs)))
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
     work = np.empty((2, 0))
     if strides is not None:
         work = summed_work(working, strides.touchdown, strides.end)
-    found, ranges = _joints(walk, settings, joints)
+    found, ranges = _joints(walk, joints)
     figures = LegFigures(
         settings=settings,
         feet=tuple(legs),
@@ -138,7 +140,7 @@ def _with_leg(
     settings: LegSettings,
     row: int,
     legs: Sequence[LegFoot],
-    joints: Mapping[str, JointTrack],
+    joints: Iterable[JointTrack],
 ) -> FootSteps:
     """Return a foot with what its leg tells: swings, steps, work; slips, and lengths by its frame.
 
@@ -147,11 +149,10 @@ def _with_leg(
         settings: sources of the legs.
         row: of the foot.
         legs: of all feet.
-        joints: by name.
+        joints: of all legs.
     """
     foot, leg, chain = walk.feet[row], legs[row], settings.chains[row]
-    own = [each for name, each in joints.items() if settings.foot_of_joint.get(name) == row]
-    own = [each for each in own if each.works or not each.moves]
+    own = [each for each in joints if each.foot == row and (each.works or not each.moves)]
     work = summed_work(own, foot.strides.touchdown, foot.strides.end)
     done = dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
     of_strides = {**foot.of_strides, **leg.swings, **_steps(walk, row, legs), **done}
@@ -182,18 +183,17 @@ def _steps(walk: Walk, row: int, legs: Sequence[LegFoot]) -> dict[str, Floats]:
 
 
 def _joints(
-    walk: Walk, settings: LegSettings, joints: Mapping[str, JointTrack]
+    walk: Walk, joints: Mapping[str, JointTrack]
 ) -> tuple[dict[str, Joint], dict[str, float]]:
     """Return the metrics of joints of legs and of others that move, and their usual ranges."""
     found: dict[str, Joint] = {}
     ranges: dict[str, float] = {}
     for name, joint in joints.items():
-        number = settings.foot_of_joint.get(name)
-        if number is None and joint.range < IDLE:
+        if joint.foot is None and joint.range < IDLE:
             continue
         found[name] = joint.metrics
-        if number is not None:
-            foot = walk.feet[number]
+        if joint.foot is not None:
+            foot = walk.feet[joint.foot]
             curve = joint_curve(joint, foot.strides)
             ranges |= {} if curve is None else {name: curve[1]}
             position = None if curve is None else curve[0]
@@ -276,8 +276,10 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
     return known_path(time, position.astype(np.float32)) if poses.known.any() else None
 
 
-APPROACH: Final = np.linspace(-0.03, 0.0, 4)
-"""s before a touchdown at which the foot's places tell its velocity."""
+APPROACH_S: Final = 0.03
+"""s before a touchdown that its velocity is taken from."""
+FEWEST_ROWS: Final = 4
+"""Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
@@ -342,17 +344,25 @@ def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
 def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:
     """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
 
-    It is the slope there of the parabola that fits its places at the times of `APPROACH`. NaN where
-    path or contacts are told too rarely, or the swing is shorter.
+    It is the slope there of the parabola that fits the path's last rows, `APPROACH_S` of them but
+    at least four. NaN where path or contacts are told too rarely, or the swing is shorter.
     """
+    velocity = np.full((len(strides.end), 3), np.nan)
     if is_slow(path, contact_interval_s):
-        return np.full((len(strides.end), 3), np.nan)
+        return velocity
+    interval = float(median_of(np.diff(path.time)))
+    rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
     aloft = strides.end - round(contact_interval_s * 1e9)
-    time = aloft[:, None] + np.rint(APPROACH * 1e9).astype(np.int64)
-    slope = np.linalg.pinv(np.stack([APPROACH**0, APPROACH, APPROACH**2], axis=-1))[1]
-    velocity = np.einsum("t,ntc->nc", slope, path.at(time))
-    velocity[time[:, 0] < strides.liftoff] = np.nan
-    return np.asarray(velocity)
+    last = np.searchsorted(path.time, aloft, side="right") - 1
+    chosen = last[:, None] + np.arange(1 - rows, 1)
+    known = chosen[:, 0] >= 0
+    chosen = np.maximum(chosen, 0)
+    known &= path.time[chosen[:, 0]] >= strides.liftoff
+    known &= ~path.broken[chosen[:, 1:]].any(axis=1) & (aloft - path.time[last] <= 2 * interval)
+    since_s = (path.time[chosen[known]] - aloft[known, None]) / 1e9
+    slope = np.linalg.pinv(np.stack([since_s**0, since_s, since_s**2], axis=-1))[:, 1]
+    velocity[known] = np.einsum("nt,ntc->nc", slope, path.position[chosen[known]])
+    return velocity
 
 
 def steps(

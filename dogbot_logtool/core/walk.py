@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.base.ground import MovingGround
-from dogbot_logtool.core.base.motion import BaseTrack, Tipping, base_motion
+from dogbot_logtool.core.base.motion import BaseTrack, Tipping
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.base.witness import POINTS, Witness
 from dogbot_logtool.core.consistency import Delay, Worlds
@@ -16,7 +16,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.segments import Segment
-from dogbot_logtool.core.gait.strides import Standing, Support, support, typical_period_s
+from dogbot_logtool.core.gait.strides import Standing, Support, typical_period_s
 from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.loads import WalkLoads, loads_of
 from dogbot_logtool.core.metrics import Base, Stability, WalkMetrics
@@ -186,14 +186,6 @@ class Walk:
     def seconds(self, time: Ints) -> list[float]:
         """Return times as seconds since the origin, to the nanosecond."""
         return [each / 1e9 for each in (time - self.origin).tolist()]
-
-    def base_in(self, within: Ints) -> Base | None:
-        """Return how the base moved in a part of the log, (w, 2) ns."""
-        return base_motion(self.track, self.settings.forward_rad, within)
-
-    def support_in(self) -> Support | None:
-        """Return the support pattern; where one foot's state is not known, none is."""
-        return support(self.records) if self.contacts_known else None
 
     def stability_in(self, within: Ints = timespans.ALWAYS) -> Stability | None:
         """Return the stability, where base and feet are on one clock and in one world."""

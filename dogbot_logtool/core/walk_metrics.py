@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from dogbot_logtool.core import metrics, timespans
 from dogbot_logtool.core.arrays import Ints
+from dogbot_logtool.core.base.motion import base_motion
 from dogbot_logtool.core.checks.engine import null_because, questions_of
 from dogbot_logtool.core.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
@@ -80,12 +81,13 @@ def _gait(walk: Walk) -> metrics.GaitOfLog:
 
 def _of_span(walk: Walk, within: Ints) -> dict[str, Any]:
     """Return what is measured of the whole log and, with the same names, of each segment."""
+    forward_rad = walk.settings.forward_rad
     feet = {
         foot.name: foot_metrics(foot, walk.loads.weight_n, walk.origin, within)
         for foot in walk.feet
     }
     return {
-        "base": walk.base_in(within) or unknown(metrics.Base),
+        "base": base_motion(walk.track, forward_rad, within) or unknown(metrics.Base),
         "feet": feet,
         "forces": _forces(walk, walk.loads_in(within), feet),
         "stability": walk.stability_in(within) or unknown(metrics.Stability),

@@ -58,8 +58,8 @@ class Selection(NamedTuple):
     findings: tuple[Finding, ...]
     possible_feet: tuple[FootSet, ...] = ()
     """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
-    ignores_flags: bool = False
-    """Whether forces decide contact, since they contradict the contact flags of the messages."""
+    ignored_flags: frozenset[int] = frozenset()
+    """Feet of which forces decide contact, since they contradict the flags of the messages."""
     base: Base | None = None
     """How the base's poses are read; None: there are none."""
     robot_is_guessed: bool = False

@@ -3,7 +3,6 @@
 Each call ends in bounded time and memory, with an exit code and a sentence.
 """
 
-import bz2
 import os
 import re
 import resource
@@ -23,7 +22,6 @@ from tests.oracles.recorded import unpacked
 from tests.oracles.walks import Entry, Walk, write_mcap
 from tests.paths import ROOT, TROT, TROUBLED
 from tests.reader import bag_bytes, mcap_bytes
-from tests.reader.bag_bytes import U32
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, schema, small_mcap
 from tests.shell import Shell
 from tests.torture.commands import COMMANDS
@@ -62,9 +60,8 @@ def many_connections(path: Path, count: int) -> None:
         bag_bytes.Connection(n, f"/{n}").record() + bag_bytes.Message(n, n + 1, b"").record()
         for n in range(count)
     )
-    size = U32.pack(len(inside))
-    chunk = bag_bytes.record(bz2.compress(inside), op=b"\x05", compression=b"bz2", size=size)
-    path.write_bytes(bag_bytes.MAGIC + bag_bytes.bag_header(0, 0, 0) + chunk)
+    head = bag_bytes.MAGIC + bag_bytes.bag_header(0, 0, 0)
+    path.write_bytes(head + bag_bytes.chunk(inside, "bz2"))
 
 
 def many_rows(path: Path, count: int) -> None:

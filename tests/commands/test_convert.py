@@ -11,6 +11,7 @@ import json
 import math
 import re
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -30,8 +31,10 @@ from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.measured import measured, measured_contact
+from tests.oracles import state_walks, walks
 from tests.oracles.annotated_file import (
     Written,
+    arrows,
     described_robots,
     read_written,
     written_arrows,
@@ -46,8 +49,9 @@ from tests.oracles.conversion import (
     expected_arrows,
     expected_poses,
 )
-from tests.oracles.recorded import BODY_WEIGHT_N, FEET, arrow_topic, read_log
+from tests.oracles.recorded import BODY_WEIGHT_N, FEET, TF_TYPE, arrow_topic, read_log
 from tests.oracles.small_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
+from tests.oracles.state_walks import StateWalk
 from tests.paths import TROT, TROUBLED, WALK
 
 COMPRESSIONS: tuple[Compression, ...] = get_args(Compression)
@@ -265,6 +269,14 @@ def test_provenance_tells_how_but_not_when_or_where() -> None:
     assert not re.search(r"20\d\d-\d\d|\d\d:\d\d|\"/", json.dumps(told))
 
 
+def test_progress_ends_at_the_whole(tmp_path: Path) -> None:
+    made: list[tuple[int, int]] = []
+    options = ConvertOptions(copy=False)
+    convert(TROUBLED, tmp_path / "out.mcap", options, lambda *progress: made.append(progress))
+    assert made[-1][0] == made[-1][1]
+    assert made == sorted(made)
+
+
 def test_the_doctor_finds_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`pymcap-cli doctor` over all encodings and all compressions, each with both copy modes."""
     from pymcap_cli.cli import app as pymcap_cli  # noqa: PLC0415 - takes long to load
@@ -280,3 +292,42 @@ def test_the_doctor_finds_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[
         assert code == 0, told.out + told.err
         assert "passed MCAP doctor checks" in " ".join(told.out.split())
         assert "warning" not in told.out
+
+
+# --- Feet whose messages name no frame ------------------------------------------------------------
+
+FT = "pronto_msgs/msg/QuadrupedForceTorqueSensors"
+HIPS_M = 0.1
+"""Height of a hip above the base, halfway in the chain to the foot."""
+
+
+def foot_entries(walk: StateWalk) -> Iterator[walks.Entry]:
+    """Forces of all feet, and transforms of the base, its hips and its feet."""
+    yield from (entry for entry in walk.messages(FT) if entry.kind == FT)
+    for sample in range(walks.SAMPLES):
+        base = state_walks.base_position(sample)
+        rows = [("odom", "base_link", base)]
+        for leg, label in state_walks.LABELS.items():
+            hip, name = [*state_walks.PLACES[leg], HIPS_M], f"{label[:2].lower()}_hip"
+            foot = state_walks.foot_position(leg, sample) - base - hip
+            rows += [("base_link", name, hip), (name, label, foot)]
+        made = [
+            {"header": walk.header(sample, parent), "child_frame_id": child, "transform": [shift]}
+            for parent, child, shift in rows
+        ]
+        message = walk.bytes_of(TF_TYPE, walk.make(TF_TYPE, transforms=made))
+        yield walks.Entry("/tf", TF_TYPE, walks.START + sample * walks.STEP, message)
+
+
+def test_arrows_start_at_the_frames_of_the_feet(tmp_path: Path) -> None:
+    walk, path, target = StateWalk(2), tmp_path / "walk.mcap", tmp_path / "out.mcap"
+    walks.write_mcap(path, walk, sorted(foot_entries(walk), key=lambda entry: entry.log_time))
+    convert(path, target, ConvertOptions(mass=walks.MASS_KG, encoding="ros2", copy=False))
+    drawn = 0
+    for topic, log_time, marker in arrows(target):
+        leg = topic.removeprefix("/marker_basic_").removesuffix("_foot")
+        at = marker.pose.position
+        expected = state_walks.foot_position(leg, (log_time - walks.START) // walks.STEP)
+        assert (at.x, at.y, at.z) == pytest.approx(expected, abs=1e-6)
+        drawn += 1
+    assert drawn == sum(int(touch.sum()) for touch in walks.TOUCHES.values())

@@ -77,6 +77,14 @@ CODECS: Mapping[str, Callable[[bytes], bytes]] = {
 }
 
 
+def chunk(
+    inner: bytes, compression: str, compress: Callable[[bytes], bytes] | None = None
+) -> bytes:
+    stored = (compress or CODECS[compression])(inner)
+    size = U32.pack(len(inner))
+    return record(stored, op=b"\x05", compression=compression.encode(), size=size)
+
+
 @dataclass
 class BagBytes:
     """A bag, its parts by name and place, so that a test can harm exactly one of them."""
@@ -138,14 +146,8 @@ class BagBytes:
         for message in messages:
             inner += message.record()
             offsets.append(len(inner))
-        stored = (self.compress or CODECS[self.compression])(inner)
-        written = record(
-            stored,
-            op=b"\x05",
-            compression=self.compression.encode(),
-            size=U32.pack(len(inner)),
-        )
-        data_place = place + len(written) - len(stored)
+        written = chunk(inner, self.compression, self.compress)
+        data_place = place + len(written) - len(inner)
         self.message_ends.extend(data_place + end for end in offsets[1:])
         self.chunk_ends.append(place + len(written))
         return written + index_records(messages, offsets)

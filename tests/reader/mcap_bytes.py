@@ -72,6 +72,33 @@ def attachment(name: str, data: bytes) -> bytes:
     return record(ATTACHMENT, content + struct.pack("<I", zlib.crc32(content)))
 
 
+def chunk(
+    inner: bytes,
+    compression: str,
+    times: Sequence[int] = (1,),
+    *,
+    with_crc: bool = False,
+    claimed: int | None = None,
+) -> bytes:
+    """Return a chunk; it may claim to hold more bytes than it does."""
+    stored = CODECS[compression](inner)
+    size = len(inner) if claimed is None else claimed
+    crc = zlib.crc32(inner) if with_crc else 0
+    head = struct.pack("<QQQI", min(times), max(times), size, crc) + text(compression)
+    return record(CHUNK, head + struct.pack("<Q", len(stored)) + stored)
+
+
+def statistics(
+    counts: Mapping[int, int], times: Sequence[int], chunks: int, extras: Sequence[bytes] = ()
+) -> bytes:
+    """Return the statistics of a file with one schema."""
+    kinds = [extra[0] for extra in extras]
+    others = kinds.count(ATTACHMENT), kinds.count(METADATA), chunks, min(times), max(times)
+    content = struct.pack("<QHIIIIQQ", sum(counts.values()), 1, len(counts), *others)
+    pairs = b"".join(struct.pack("<HQ", number, count) for number, count in counts.items())
+    return record(STATISTICS, content + text(pairs))
+
+
 @dataclass
 class McapBytes:
     """An MCAP, its parts by place, so that a test can harm exactly one of them."""
@@ -147,12 +174,9 @@ class McapBytes:
             inner += message.record()
             ends.append(len(inner))
         times = [message.log_time for message in messages] or [0]
-        stored = CODECS[self.compression](inner)
-        crc = zlib.crc32(inner) if self.chunk_crc else 0
-        head = struct.pack("<QQQI", min(times), max(times), len(inner), crc)
-        head += text(self.compression) + struct.pack("<Q", len(stored))
-        written = record(CHUNK, head + stored)
-        self.message_ends.extend(place + 9 + len(head) + end for end in ends)
+        written = chunk(inner, self.compression, times, with_crc=self.chunk_crc)
+        size = len(CODECS[self.compression](inner))
+        self.message_ends.extend(place + len(written) - size + end for end in ends)
         chunk_length = len(written)
         self.chunk_ends.append(place + chunk_length)
         offsets = b""
@@ -163,7 +187,7 @@ class McapBytes:
         index = struct.pack("<QQQQ", min(times), max(times), place, chunk_length)
         index += text(offsets) + struct.pack("<Q", len(written) - chunk_length)
         named = self.compression if self.indexed_as is None else self.indexed_as
-        index += text(named) + struct.pack("<QQ", len(stored), len(inner))
+        index += text(named) + struct.pack("<QQ", size, len(inner))
         return written, record(CHUNK_INDEX, index)
 
     def _summary(self, place: int, described: bytes, indexes: Sequence[bytes]) -> bytes:
@@ -174,28 +198,12 @@ class McapBytes:
                 described = self.described_in_summary
             section = (described if self.repeated else b"") + b"".join(indexes)
             if self.statistics:
-                section += self._statistics()
+                messages = [message for chunk in self.chunks for message in chunk]
+                counts = self.stated_counts or Counter(message.channel for message in messages)
+                times = [message.log_time for message in messages] or [0]
+                section += statistics(counts, times, len(indexes), self.extras)
         footer = struct.pack("<BQQQ", FOOTER, 20, self.summary_start, 0)
         return section + footer + struct.pack("<I", zlib.crc32(section + footer))
-
-    def _statistics(self) -> bytes:
-        messages = [message for chunk in self.chunks for message in chunk]
-        counts = self.stated_counts or Counter(message.channel for message in messages)
-        times = [message.log_time for message in messages] or [0]
-        kinds = [extra[0] for extra in self.extras]
-        content = struct.pack(
-            "<QHIIIIQQ",
-            sum(counts.values()),
-            1,
-            len(self.topics),
-            kinds.count(ATTACHMENT),
-            kinds.count(METADATA),
-            len(self.chunks) if self.chunked else 0,
-            min(times),
-            max(times),
-        )
-        pairs = b"".join(struct.pack("<HQ", number, count) for number, count in counts.items())
-        return record(STATISTICS, content + text(pairs))
 
 
 def small_mcap(compression: str = "zstd", chunks: int = 3, each: int = 4) -> McapBytes:

@@ -9,7 +9,7 @@ import pytest
 from tests.forked_cli import run
 from tests.reader import bag_bytes, mcap_bytes
 from tests.reader.bag_bytes import U32
-from tests.reader.mcap_bytes import MAGIC, channel, file_header, record, schema, text
+from tests.reader.mcap_bytes import MAGIC, channel, chunk, file_header, record, schema, statistics
 from tests.reader.reading import read_bytes
 
 SIZE = 1 << 20
@@ -18,38 +18,31 @@ MOST_SECONDS = 60
 """On a busy machine; mostly it is below ten."""
 
 
-def chunk_record(content: bytes, compression: str, claimed: int | None = None) -> bytes:
-    stored = mcap_bytes.CODECS[compression](content)
-    size = len(content) if claimed is None else claimed
-    head = struct.pack("<QQQI", 1, 1, size, 0) + text(compression)
-    return record(mcap_bytes.CHUNK, head + struct.pack("<Q", len(stored)) + stored)
-
-
 def mcap_of(*records: bytes) -> bytes:
     return MAGIC + file_header() + schema(1) + channel(1, "/a") + b"".join(records)
 
 
 def bomb_of_messages() -> bytes:
     one = mcap_bytes.Message(1, 1, b"").record()
-    return mcap_of(*[chunk_record(one * ((31 << 20) // len(one)), "zstd")] * 2)[:SIZE]
+    return mcap_of(*[chunk(one * ((31 << 20) // len(one)), "zstd")] * 2)[:SIZE]
 
 
 def bomb_beyond_the_limit() -> bytes:
-    return mcap_of(chunk_record(bytes(900 << 20), "zstd"))
+    return mcap_of(chunk(bytes(900 << 20), "zstd"))
 
 
 def chunks_that_claim_too_much() -> bytes:
-    return mcap_of(chunk_record(b"abc", "zstd", 2 << 30) * 1000)
+    return mcap_of(chunk(b"abc", "zstd", claimed=2 << 30) * 1000)
 
 
 def bomb_of_channels() -> bytes:
     inside = b"".join(channel(number % 65536, f"/t{number}") for number in range(500_000))
-    return mcap_of(*[chunk_record(inside, "zstd")] * 2)[:SIZE]
+    return mcap_of(*[chunk(inside, "zstd")] * 2)[:SIZE]
 
 
 def bomb_of_definitions() -> bytes:
     chunks = [
-        chunk_record(
+        chunk(
             b"".join(schema(1 + (10 * row + n) % 65535, data=bytes(3 << 20)) for n in range(10)),
             "zstd",
         )
@@ -70,9 +63,7 @@ def summary_that_repeats_a_chunk() -> bytes:
     index = data[start : start + length]
     body = data[: mcap.summary_start]
     section = schema(1) + channel(1, "/left") + index * 5000
-    statistics = struct.pack("<QHIIIIQQ", 9_000 * 5000, 1, 1, 0, 0, 5000, 1, 1)
-    statistics += text(struct.pack("<HQ", 1, 9_000 * 5000))
-    section += record(mcap_bytes.STATISTICS, statistics)
+    section += statistics({1: 9_000 * 5000}, [1], 5000)
     footer = struct.pack("<BQQQI", mcap_bytes.FOOTER, 20, len(body), 0, 0)
     return body + section + footer + MAGIC
 
@@ -90,17 +81,10 @@ def bag_of(*records: bytes) -> bytes:
     return bag_bytes.MAGIC + bag_bytes.bag_header(0, 0, 0) + b"".join(records)
 
 
-def bag_chunk(content: bytes, compression: str) -> bytes:
-    stored = bag_bytes.CODECS[compression](content)
-    return bag_bytes.record(
-        stored, op=b"\x05", compression=compression.encode(), size=U32.pack(len(content))
-    )
-
-
 def bag_bomb() -> bytes:
     one = bag_bytes.Message(0, 1, b"").record()
     content = bag_bytes.Connection(0, "/a").record() + one * ((31 << 20) // len(one))
-    return bag_of(*[bag_chunk(content, "lz4")] * 2)[:SIZE]
+    return bag_of(*[bag_bytes.chunk(content, "lz4")] * 2)[:SIZE]
 
 
 def bag_heads() -> bytes:
@@ -112,7 +96,7 @@ def bag_index_of_everything() -> bytes:
     index = bag_bytes.record(
         b"", op=b"\x04", ver=U32.pack(1), conn=U32.pack(0), count=U32.pack(0xFFFFFFFF)
     )
-    return bag_of(bag_chunk(b"", "none"), index * 15_000)[:SIZE]
+    return bag_of(bag_bytes.chunk(b"", "none"), index * 15_000)[:SIZE]
 
 
 def zstd_file_of_equal_bytes() -> bytes:

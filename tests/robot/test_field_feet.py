@@ -1,7 +1,6 @@
 """Feet as fields of messages of any type, as a user meets them."""
 
 import json
-import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests import forked_cli
+from tests.forked_cli import command
 from tests.oracles.field_logs import (
     CELLS,
     DUTY,
@@ -28,15 +28,6 @@ from tests.paths import ROOT
 STATE = "odd_msgs/msg/State"
 Samples = Iterator[tuple[str, str, dict[str, Any]]]
 """Topics, types and fields of the messages at a time."""
-
-
-def command(printed: str) -> list[str]:
-    """The words after the program's name of the one command for feet that was printed."""
-    lines = [line for line in printed.splitlines() if line.lstrip().startswith("dogbot-logtool ")]
-    # Joints may tell the same with a description of the robot.
-    lines = [line for line in lines if "--urdf ROBOT.urdf" not in line]
-    assert len(lines) == 1
-    return shlex.split(lines[0])[1:]
 
 
 def figures(*words: object, folder: Path = ROOT) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """Options about topics and fields: what they choose, and what is said of those that do not fit."""
 
 import json
-import shlex
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,7 @@ from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.selection import Selection, select_topics
 from tests import forked_cli
-from tests.forked_cli import Ended
+from tests.forked_cli import Ended, command
 from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 
 LEGS = ("front_left", "front_right", "back_left", "back_right")
@@ -70,13 +69,6 @@ def test_options_that_do_not_fit(path: Path, options: RobotOptions, said: str) -
 
 def run(*words: object) -> Ended:
     return forked_cli.run(*words, environment={"COLUMNS": "80"})
-
-
-def command(printed: str) -> list[str]:
-    """The words after the program's name of the one command that was printed in one piece."""
-    lines = [line for line in printed.splitlines() if line.lstrip().startswith("dogbot-logtool ")]
-    assert len(lines) == 1
-    return shlex.split(lines[0])[1:]
 
 
 def test_the_offered_command_can_be_typed(tmp_path: Path) -> None:

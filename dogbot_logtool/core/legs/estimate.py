@@ -12,6 +12,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     flagged_runs,
+    mean_of_known,
     median_of,
     nearest_rows,
 )
@@ -305,13 +306,9 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
 
 def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:
     """(n,) m, of the base over the mean of the standing feet."""
-    below = np.where(standing, -np.einsum("nfi,ni->nf", points, up), 0.0)
-    count = standing.sum(axis=1)
-    some = np.flatnonzero(count)
-    if not len(some):
-        return np.zeros(len(seconds))
-    heights = below.sum(axis=1)[some] / count[some]
-    return np.asarray(np.interp(seconds, seconds[some], heights))
+    below = mean_of_known(np.where(standing, -np.einsum("nfi,ni->nf", points, up), np.nan))
+    some = np.flatnonzero(np.isfinite(below))
+    return np.interp(seconds, seconds[some], below[some]) if len(some) else np.zeros(len(seconds))
 
 
 def _samples(foot: int, standing: Flags, points: Floats, force: Floats, base: Odometry) -> Samples:

@@ -116,6 +116,8 @@ class JointTrack(NamedTuple):
     """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
     reported_moved: float
     """Sum of v dq: what `reported_squared` is where velocities are those of the positions."""
+    foot: int | None = None
+    """Index of the foot that it moves; None: it moves none."""
     follows: bool = False
     """Whether the robot's description says that another joint moves it."""
 
@@ -305,8 +307,7 @@ class LegFigures(NamedTuple):
 
     def joints_of(self, foot: int) -> list[JointTrack]:
         """Return the joints that move a foot."""
-        of = self.settings.foot_of_joint
-        return [joint for name, joint in self.joints.items() if of.get(name) == foot]
+        return [joint for joint in self.joints.values() if joint.foot == foot]
 
 
 def joint_work(joint: JointTrack, begin: Ints, end: Ints) -> Floats:

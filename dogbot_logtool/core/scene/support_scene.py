@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, mean_of_known
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.rotations import normalised, rotate
 from dogbot_logtool.core.scene.feet import TRAIL, DrawnFoot, colour_parts, foot_colour
@@ -89,8 +89,8 @@ def support_scene(
     pressure = centre_of_pressure(in_use, np.where((all_known & weighed)[:, None], load, 0.0))
     trails = np.stack([foot.trail_at(poses.log_time) for foot in feet], axis=1)
     # The ground is as high as the feet that stand or, without any, as the newest touchdowns.
-    height = _mean_of_known(points[:, :, 2])
-    height = np.where(np.isnan(height), _mean_of_known(trails[:, :, 0, 2]), height)
+    height = mean_of_known(points[:, :, 2])
+    height = np.where(np.isnan(height), mean_of_known(trails[:, :, 0, 2]), height)
     touchdowns = trails.reshape(-1, len(feet) * TRAIL, 3)
     order = np.argsort(np.isnan(touchdowns[:, :, 0]), axis=1, kind="stable")
     tints = np.array([colour_parts(foot_colour(foot)) for foot in range(len(feet))])
@@ -158,13 +158,6 @@ def margin_colour(margin: Floats) -> Float32s:
 def _known(points: Floats) -> Floats:
     """Return points, (n, 3), with NaN for those of which a number is not finite."""
     return np.where(all_finite(points)[:, None], points, np.nan)
-
-
-def _mean_of_known(values: Floats) -> Floats:
-    """(n,) mean of each row's numbers; NaN where there is none."""
-    known = np.isfinite(values)
-    mean: Floats = np.where(known, values, 0.0).sum(axis=1) / known.sum(axis=1)
-    return mean
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -30,6 +30,9 @@ _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
 _CONTRADICTED: Final = 0.2
 """Share of contradicted flags from which constant flags are taken for not filled in."""
+_INVERTED: Final = 0.1
+"""Share of a foot's mean load without contact flags below which that with flags is, if they are
+inverted; an offset of the sensor seldom takes off as much."""
 _DOUBTFUL: Final = 0.05
 """Share of contradicted flags from which it is said."""
 _BLUR: Final = 0.02
@@ -65,13 +68,10 @@ def decide_contacts(
     raw = [row for row in raw if selection.robot.feet[row].newtons_per_count is None]
     decided = list(feet)
     if flagged:
-        findings, ignores = _compare_flags([feet[row] for row in flagged], selection, flagged)
-        selection = selection._replace(
-            ignores_flags=ignores, findings=(*selection.findings, *findings)
-        )
+        selection = _compare_flags([feet[row] for row in flagged], selection, flagged)
     for row in flagged:
         each = feet[row]
-        if selection.ignores_flags:
+        if row in selection.ignored_flags:
             each = replace(each, in_contact=np.asarray((each.force != 0.0).any(axis=1)))
         decided[row] = without_contact(each, ~each.in_contact)
     if raw:
@@ -81,13 +81,11 @@ def decide_contacts(
     return tuple(decided), selection
 
 
-def _compare_flags(
-    feet: Sequence[Samples], selection: Selection, rows: Sequence[int]
-) -> tuple[tuple[Finding, ...], bool]:
-    """Compare contact flags with the forces beside them.
+def _compare_flags(feet: Sequence[Samples], selection: Selection, rows: Sequence[int]) -> Selection:
+    """Compare contact flags of some feet with the forces beside them.
 
-    Returns:
-        what is said; and whether flags never change although forces do: they are not filled in.
+    Flags that never change although forces do are not filled in, and those of a foot that bears
+    its load without them are inverted: these are ignored.
     """
     times = np.unique(np.concatenate([each.log_time for each in feet]))
     load, flag = np.full((2, len(times), len(feet)), np.nan)
@@ -95,18 +93,31 @@ def _compare_flags(
         at = np.searchsorted(times, each.log_time)
         load[at, foot], flag[at, foot] = norms(each.force), each.in_contact
     known = np.isfinite(load)
-    total = np.where(known, load, 0.0).sum(axis=1, keepdims=True)
+    borne = np.where(known, load, 0.0)
+    total = borne.sum(axis=1, keepdims=True)
     touching = flag > 0.0
     wrong = np.where(touching, load == 0.0, load > _LOAD_SHARE * total)
     # Without any load, as before a simulation begins, forces tell nothing.
     wrong &= known & (total > 0.0)
-    contradicted = float(wrong.sum() / max(known.sum(), 1))
-    constant = int((touching & known).sum()) in {0, int(known.sum())}
-    topics = listed([*dict.fromkeys(selection.robot.feet[row].topic for row in rows)])
-    ignores = constant and contradicted > _CONTRADICTED
-    say = "ignored" if ignores else "plain"
-    doubt = found("FLAGS_CONTRADICTED", say=say, share=contradicted, topics=topics)
-    return (doubt,) if contradicted > _DOUBTFUL else (), ignores
+    count, touches = known.sum(axis=0), (touching & known).sum(axis=0)
+    share = wrong.sum(axis=0) / np.maximum(count, 1)
+    constant = (touches == 0) | (touches == count)
+    flagged = np.where(touching, borne, 0.0).sum(axis=0) / np.maximum(touches, 1)
+    others = np.where(touching, 0.0, borne).sum(axis=0) / np.maximum(count - touches, 1)
+    inverted = flagged < _INVERTED * others
+    ignored = np.where(constant, share > _CONTRADICTED, inverted)
+    if constant.all() and wrong.sum() > _CONTRADICTED * count.sum():
+        ignored[:] = True
+    findings, numbers = [], np.array(rows)
+    for say, some, least in (("ignored", ignored, 0.0), ("plain", ~ignored, _DOUBTFUL)):
+        of_some = float(wrong[:, some].sum() / max(count[some].sum(), 1))
+        if of_some > least:
+            names = listed([selection.robot.feet[row].name for row in numbers[some].tolist()])
+            findings.append(found("FLAGS_CONTRADICTED", say=say, share=of_some, names=names))
+    return selection._replace(
+        ignored_flags=frozenset(numbers[ignored].tolist()),
+        findings=(*selection.findings, *findings),
+    )
 
 
 def _with_levels(

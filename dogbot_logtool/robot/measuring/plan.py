@@ -119,7 +119,7 @@ def _foot(selection: Selection, row: int) -> FootSettings:
     foot, is_estimated = robot.feet[row], bool(selection.contact_from)
     is_given = f"tare.{foot.name}" in robot.given
     offset = foot.offset_n if is_given or robot.tare != "none" else None
-    flagged = [source.has_flags and not selection.ignores_flags for source in sources]
+    flagged = [source.has_flags and row not in selection.ignored_flags for source in sources]
     lists = [
         has_flags or not source.has_force or bool(source.row.pairs)
         for has_flags, source in zip(flagged, sources, strict=True)

@@ -189,6 +189,13 @@ class Unflagged(StateWalk):
         return np.zeros_like(super().flags(sample, legs))
 
 
+class Inverted(StateWalk):
+    """A publisher that turns one of its flags round."""
+
+    def flags(self, sample: int, legs: Any = walks.LEGS) -> Any:
+        return super().flags(sample, legs) ^ np.array([False, False, False, True])
+
+
 class Shifted(StateWalk):
     """A plan whose flags end contact before the force does."""
 
@@ -196,8 +203,10 @@ class Shifted(StateWalk):
         return super().flags(min(sample + 4, walks.SAMPLES - 1), legs)
 
 
-@pytest.mark.parametrize(("maker", "shift_s"), [(Unflagged, 0.0), (Shifted, -0.04)])
-def test_flags_decide_unless_they_are_never_set(
+@pytest.mark.parametrize(
+    ("maker", "shift_s"), [(Unflagged, 0.0), (Inverted, 0.0), (Shifted, -0.04)]
+)
+def test_flags_decide_unless_they_are_never_set_or_inverted(
     tmp_path: Path, maker: type[StateWalk], shift_s: float
 ) -> None:
     walk = maker(2)
