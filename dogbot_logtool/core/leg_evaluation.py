@@ -276,8 +276,10 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
     return known_path(time, position.astype(np.float32)) if poses.known.any() else None
 
 
-APPROACH: Final = np.linspace(-0.03, 0.0, 4)
-"""s before a touchdown at which the foot's places tell its velocity."""
+APPROACH_S: Final = 0.03
+"""s before a touchdown that its velocity is taken from."""
+FEWEST_ROWS: Final = 4
+"""Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
@@ -342,17 +344,25 @@ def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
 def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:
     """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
 
-    It is the slope there of the parabola that fits its places at the times of `APPROACH`. NaN where
-    path or contacts are told too rarely, or the swing is shorter.
+    It is the slope there of the parabola that fits the path's last rows, `APPROACH_S` of them but
+    at least four. NaN where path or contacts are told too rarely, or the swing is shorter.
     """
+    velocity = np.full((len(strides.end), 3), np.nan)
     if is_slow(path, contact_interval_s):
-        return np.full((len(strides.end), 3), np.nan)
+        return velocity
+    interval = float(median_of(np.diff(path.time)))
+    rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
     aloft = strides.end - round(contact_interval_s * 1e9)
-    time = aloft[:, None] + np.rint(APPROACH * 1e9).astype(np.int64)
-    slope = np.linalg.pinv(np.stack([APPROACH**0, APPROACH, APPROACH**2], axis=-1))[1]
-    velocity = np.einsum("t,ntc->nc", slope, path.at(time))
-    velocity[time[:, 0] < strides.liftoff] = np.nan
-    return np.asarray(velocity)
+    last = np.searchsorted(path.time, aloft, side="right") - 1
+    chosen = last[:, None] + np.arange(1 - rows, 1)
+    known = chosen[:, 0] >= 0
+    chosen = np.maximum(chosen, 0)
+    known &= path.time[chosen[:, 0]] >= strides.liftoff
+    known &= ~path.broken[chosen[:, 1:]].any(axis=1) & (aloft - path.time[last] <= 2 * interval)
+    since_s = (path.time[chosen[known]] - aloft[known, None]) / 1e9
+    slope = np.linalg.pinv(np.stack([since_s**0, since_s, since_s**2], axis=-1))[:, 1]
+    velocity[known] = np.einsum("nt,ntc->nc", slope, path.position[chosen[known]])
+    return velocity
 
 
 def steps(

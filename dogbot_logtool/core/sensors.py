@@ -276,7 +276,7 @@ def contact_rule(
     return ContactRule(
         on_n=on,
         off_n=off,
-        brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else 0.0,
+        brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
         debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
         unusable="" if given.on_n else _why_unusable(level, on, off),

@@ -7,9 +7,9 @@ from typing import Any, Final
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.core.frames.frame_tree import (
+from dogbot_logtool.core.frames.transforms import (
+    Edge,
     FrameEdge,
-    Pair,
     TreeRow,
     loops,
     roots,
@@ -39,7 +39,7 @@ _MOST_TOPICS: Final = 1000
 """Rows of the table."""
 
 
-def frame_pairs(info: LogInfo) -> list[Pair]:
+def frame_pairs(info: LogInfo) -> list[Edge]:
     """Return parent and child of every transform, the one that `convert` adds among them."""
     pairs = [(parent, child) for child, parents in info.parents.items() for parent in parents]
     return [*pairs, info.added_transform] if info.added_transform else pairs

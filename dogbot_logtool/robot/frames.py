@@ -3,8 +3,15 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
-from dogbot_logtool.core.frames import frame_tree
-from dogbot_logtool.core.frames.frame_tree import FrameEdge, frame_edge
+from dogbot_logtool.core.frames.transforms import (
+    Edge,
+    FrameEdge,
+    frame_edge,
+    loops,
+    roots,
+    second_parents,
+    trees,
+)
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.reader.containers.log import Channel, Log, malformed_messages
@@ -110,21 +117,21 @@ def frame_findings(frames: Frames, added: tuple[str, str] | None) -> Iterator[Fi
         yield found("UNREADABLE", "one_topic", say="transforms", topic=topic, encoding=encoding)
 
 
-def _of_tree(edges: Sequence[FrameEdge], pairs: Sequence[frame_tree.Pair]) -> Iterator[Finding]:
-    for loop in frame_tree.loops(pairs):
+def _of_tree(edges: Sequence[FrameEdge], pairs: Sequence[Edge]) -> Iterator[Finding]:
+    for loop in loops(pairs):
         more = ["..."] if len(loop) > _NAMED else []
         path = " -> ".join([*loop[:_NAMED], *more, loop[0]])
         yield found("FRAME_TREE", say="loop", path=path)
-    for second in frame_tree.second_parents(edges):
+    for second in second_parents(edges):
         cases = () if second.at_once else ("new_parent",)
         parents = listed(second.parents, _NAMED)
         say = "" if cases else "second"
         yield found("FRAME_TREE", *cases, say=say, child=second.child, parents=parents)
-    trees = frame_tree.trees(pairs)
-    if len(trees) > 1:
-        roots = frame_tree.roots(pairs)
-        tops = [next((root for root in roots if root in tree), tree[0]) for tree in trees]
-        yield found("FRAME_TREE", say="trees", number=len(trees), tops=listed(tops, _NAMED))
+    parts = trees(pairs)
+    if len(parts) > 1:
+        highest = roots(pairs)
+        tops = [next((root for root in highest if root in part), part[0]) for part in parts]
+        yield found("FRAME_TREE", say="trees", number=len(parts), tops=listed(tops, _NAMED))
     both = [edge for edge in edges if 0 < edge.static < edge.transforms]
     if both:
         yield found("FRAME_TREE", say="both", edges=_named(both))

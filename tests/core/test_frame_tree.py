@@ -6,10 +6,10 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.frames.frame_tree import (
+from dogbot_logtool.core.frames.transforms import (
     DEEPEST,
+    Edge,
     FrameEdge,
-    Pair,
     SecondParent,
     loops,
     roots,
@@ -27,7 +27,7 @@ def edge(parent: str, child: str, first: int, last: int, *, static: bool = False
     return FrameEdge(parent, child, 2, 2 * static, None, (1,), first, last, 0, 0, 0)
 
 
-def reachable(pairs: list[Pair]) -> set[Pair]:
+def reachable(pairs: list[Edge]) -> set[Edge]:
     """Every (ancestor, descendant), by Warshall's algorithm."""
     closed = set(pairs)
     frames = {frame for pair in pairs for frame in pair}
@@ -82,7 +82,7 @@ def test_a_ladder_of_second_parents_is_not_walked_again_and_again() -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(graphs)
-def test_shapes_agree_with_reachability(pairs: list[Pair]) -> None:
+def test_shapes_agree_with_reachability(pairs: list[Edge]) -> None:
     closed = reachable(pairs)
     frames = {frame for pair in pairs for frame in pair}
     looping = {frame for frame in frames if (frame, frame) in closed}

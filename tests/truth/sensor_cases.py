@@ -197,6 +197,10 @@ def swinging_legs() -> Iterator[Case]:
         yield Case(name, Walk(gait=gait, robot=robot, period_s=0.6, speed_mps=0.2),
                    (FORCE, sensor.wobble(wobble), sensor.noise(0.05), sensor.offset(newtons)),
                    cause=f"{LEVEL}|CONTACT_UNKNOWN", tolerance=COARSE, skip="verdict")
+    yield Case("hexapod of 2 kg, wobble 8 %, 6 % hysteresis",
+               Walk(gait=gaits.TRIPOD, robot=hexapod(), period_s=0.8, speed_mps=0.1),
+               (FORCE, sensor.hysteresis(0.06), sensor.wobble(1.6)), "CONTACT_UNKNOWN", None,
+               COARSE, "verdict")
     yield Case("walk, 20 kg, wobble 40 %", Walk(gait=gaits.WALK, period_s=1.1),
                (FORCE, sensor.wobble(78.5), sensor.noise(0.4)), "CONTACT_UNKNOWN", None, COARSE,
                "verdict")

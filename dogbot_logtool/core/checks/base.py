@@ -208,14 +208,9 @@ def pose_jumps(walk: Walk) -> Iterator[Finding]:
     jumps = walk.jumps
     if len(jumps.spans):
         size, turn = norms(jumps.size_m), np.abs(jumps.turn_rad)
-        yield found(
-            "POSE_JUMP",
-            where="base.path_length_m",
-            jumps=len(jumps.spans),
-            metres=size.max(),
-            degrees=np.degrees(turn).max(),
-            at=walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())],
-        )
+        at = walk.seconds(jumps.spans[:, 1])[int((size + turn).argmax())]
+        words: Words = {"jumps": len(size), "metres": size.max(), "degrees": np.degrees(turn).max()}
+        yield found("POSE_JUMP", where="base.path_length_m", at=at, **words)
 
 
 def contradicted(walk: Walk) -> Iterator[Finding]:

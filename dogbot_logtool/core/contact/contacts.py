@@ -25,7 +25,7 @@ from dogbot_logtool.core.arrays import (
     rows_of_runs,
     sum_by_group,
 )
-from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
+from dogbot_logtool.core.corrections.clock import LONGEST_DELAY_S, SILENCE_NS, TimeSource
 
 FOOT_IS_COLLISION1: Final = 1
 FOOT_IS_COLLISION2: Final = 2
@@ -317,9 +317,9 @@ def _swinging(
     times = np.stack([samples.log_time, samples.stamp])
     on_stamps = clock is TimeSource.HEADER
     # Messages that are logged in bursts are late, but for the last of each.
-    late = int((times[0] - times[1]).min()) if on_stamps else 0
+    delay = times[0] - times[1] if on_stamps else np.zeros(1, np.int64)
     # The log's ends may cut a swing: the foot is silent from one interval before the log starts.
-    first = int(times[int(on_stamps), 0]) + late
+    first = int(times[int(on_stamps), 0] + delay.min())
     ahead = 0 if log_start is None else first - log_start + interval
     if times[1, 0] <= max(0, ahead - interval):
         # A stamp of 0 or less would say that there are none.
@@ -328,8 +328,10 @@ def _swinging(
     times = np.concatenate([times[:, :1] - ahead, times, times[:, -1:] + behind], axis=1)
     time, steps = times[int(on_stamps)], np.diff(times)
     step = np.diff(time)
-    # The log's start or end may cut a swing; a shorter silence is a lost message even there.
+    # The log's start or end may cut a swing; a shorter silence is a lost message even there, or
+    # the delay of the first one.
     lasts_from = np.full(len(step), round(MISSED_INTERVALS * interval))
+    lasts_from[0] = max(lasts_from[0], round(LONGEST_DELAY_S * 1e9) + np.ptp(delay))
     if len(swings):
         shortest = round(_PART_OF_SWING * float(median_of(swings)))
         lasts_from[1:-1] = np.maximum(lasts_from[1:-1], shortest)

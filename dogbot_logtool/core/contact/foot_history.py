@@ -25,6 +25,7 @@ from dogbot_logtool.core.arrays import (
     means_by_group,
     median_of,
     percentiles_of,
+    rows_of_runs,
 )
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.contact.stances import (
@@ -168,13 +169,15 @@ def foot_history(
     enough = has_force and len(loaded) >= _STUCK_SAMPLES
     if not rule.by_flag:
         contact = backdated(contact, time, force, rule.off_n)
-    starts, ends, filled, dropped = find_stances(time, contact, rule.debounce_s, rule.brief_s)
+    shortest = rule.debounce_s, rule.brief_s or 0.0
+    starts, ends, filled, dropped = find_stances(time, contact, *shortest)
     is_scuff = _scuffs(track, starts, ends)
     scuffs = np.stack([time[starts[is_scuff]], time[ends[is_scuff]]], axis=1)
     starts, ends = starts[~is_scuff], ends[~is_scuff]
-    stances = len(starts)
-    starts, ends = joined_bounces(time, starts, ends)
-    filled += stances - len(starts)
+    if rule.brief_s is not None:
+        stances = len(starts)
+        starts, ends = joined_bounces(time, starts, ends)
+        filled += stances - len(starts)
 
     gaps = track.gaps
     if len(breaks):
@@ -260,6 +263,8 @@ BOUNCE: Final = 0.2
 """Share of a foot's usual swing below which a swing is a bounce, if it is shorter than
 `LONGEST_BOUNCE_S`."""
 LONGEST_BOUNCE_S: Final = 0.08
+PART: Final = 0.5
+"""Share of a usual stance below which one of the two is that a foot bounces between."""
 FEWEST_BOUNCES: Final = 3
 """Bounces of a foot in a log, at least."""
 LONGEST_RISE_S: Final = 0.1
@@ -311,10 +316,9 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     edges = np.flatnonzero(rises)
     since = edges[np.searchsorted(edges, begins, side="right") - 1]
     earliest = np.searchsorted(time, time[begins] - round(LONGEST_RISE_S * 1e9))
-    change = np.zeros(len(contact) + 1, np.int32)
-    np.add.at(change, np.minimum(np.maximum(since, earliest), begins), 1)
-    np.add.at(change, begins, -1)
-    return contact | (np.cumsum(change[:-1], dtype=np.int32) > 0)
+    dated = contact.copy()
+    dated[rows_of_runs(np.minimum(np.maximum(since, earliest), begins), begins)[0]] = True
+    return dated
 
 
 def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
@@ -333,9 +337,11 @@ def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
     swings = (time[starts[1:]] - time[ends[:-1]]) / 1e9
     if not len(swings):
         return starts, ends
+    stances = (time[ends] - time[starts]) / 1e9
     longest_s = min(BOUNCE * float(percentiles_of(swings, 75.0)), LONGEST_BOUNCE_S)
+    in_parts = np.minimum(stances[1:], stances[:-1]) < PART * percentiles_of(stances, 75.0)
     # Of a swing that begins with a silence it is not known that it is short.
-    apart = (swings >= longest_s) | silent_before(time)[ends[:-1]]
+    apart = (swings >= longest_s) | ~in_parts | silent_before(time)[ends[:-1]]
     if (~apart).sum() < FEWEST_BOUNCES:
         return starts, ends
     return starts[np.append(True, apart)], ends[np.append(apart, True)]
@@ -376,6 +382,7 @@ def find_stances(
 
 def rows_in_stances(starts: Ints, ends: Ints, contact: Flags) -> Flags:
     """(n,) whether rows are in stances; the last one is where the log ends in contact."""
-    down = timespans.covers(np.stack([starts, ends], axis=1), np.arange(len(contact)))
+    down = np.zeros(len(contact), np.bool_)
+    down[rows_of_runs(starts, ends)[0]] = True
     down[-1:] |= contact[-1:]
     return down

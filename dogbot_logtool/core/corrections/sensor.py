@@ -27,6 +27,7 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.corrections.modes import (
     MIDDLE_SHARE,
     NOISY,
+    ONCE,
     PLAIN_OFFSET,
     Modes,
     both_ways,
@@ -43,11 +44,8 @@ CLEAR_OF_NOISE: Final = 5.0
 """Least distance between both modes, in standard deviations of the noise."""
 DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
-CLEAR: Final = 1.0
-"""Lead in score from which it is told which way a load turns what a sensor reads, where swing and
-stance are clear one way only."""
-CLEARER: Final = 3.0
-"""The same where they are clear both ways."""
+CLEAR: Final = 3.0
+"""Lead in score from which it is told which way a load turns what a sensor reads."""
 SURE: Final = 6.0
 """Lead from which that is certain, whatever the weight says."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
@@ -156,8 +154,8 @@ class ContactRule(NamedTuple):
     """N: |F| below which contact ends; it always ends at 0. 0: only there."""
     debounce_s: float
     """s: shorter swings are filled, then shorter stances dropped."""
-    brief_s: float = 0.0
-    """s: shorter swings are filled, too."""
+    brief_s: float | None = None
+    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
     origin: Origin = "default"
     """The origin of the thresholds."""
     by_flag: bool = False
@@ -194,15 +192,18 @@ def estimate_level(
     axis = load_axis(force)
     both = both_ways(without_spikes(force @ axis), run_numbers(log_time), plain_offset)
     first, second = sorted(both, key=lambda modes: modes.fit, reverse=True)
-    if first.reason and second.reason:
-        return _unknown(first.reason, force)
     lead = first.fit - second.fit
-    if first.reason or lead < (CLEAR if second.reason else CLEARER):
-        return refuted_level(TURNED)
-    level = level_of(first, log_time, force, axis)
-    if (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0):
-        return _unknown(NOISY, force)
-    return replace(level, lead=lead)
+    if not first.reason and lead >= CLEAR:
+        level = level_of(first, log_time, force, axis)
+        is_noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
+        return _unknown(NOISY, force) if is_noisy else replace(level, lead=lead)
+    for modes in (first, second):
+        if modes.reason == ONCE:
+            # The one swing tells how far the unloaded sensor strays.
+            wobble_n = level_of(modes, log_time, force, axis).wobble_n
+            return replace(_unknown(ONCE, force), wobble_n=wobble_n)
+    is_unclear = first.reason and second.reason
+    return _unknown(first.reason, force) if is_unclear else refuted_level(TURNED)
 
 
 def refuted_level(why: str) -> SensorLevel:
