@@ -150,15 +150,9 @@ class Messages:
         return replace(self, start=self.start + offset, end=self.end + offset)
 
 
-def no_messages() -> Messages:
-    """Return an empty table."""
-    nothing = np.empty(0, np.int64)
-    return Messages(nothing, nothing, nothing, nothing, nothing, nothing)
-
-
 def concatenate_messages(parts: Sequence[Messages]) -> Messages:
     """Stack message tables."""
-    return concatenated(parts) if parts else no_messages()
+    return concatenated(parts) if parts else Messages(*np.empty((6, 0), np.int64))
 
 
 class LoadedChunk(NamedTuple):
