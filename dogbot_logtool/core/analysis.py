@@ -104,7 +104,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     telling = [
         foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
     ]
-    records = without_stopped(telling)
+    records = without_stopped(telling, base)
     # Places that the poses have put into the world jump with them.
     placed_by_poses = any(path is not None for path in corrected.places)
     candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]

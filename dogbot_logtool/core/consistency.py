@@ -2,10 +2,11 @@
 
 Two world frames, or a drifting odometry, part base and feet. The base goes up and down when the
 feet's forces drive it: so physics compares their clocks. A sensor that stops makes no step
-while the others go on.
+while the others go on. A planted foot makes none either: it feels the load shift, and the base
+does not go away from it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -22,31 +23,75 @@ from dogbot_logtool.core.settings import GRAVITY_MPS2
 
 MISSED_STEPS: Final = 4
 """Touchdowns of half of the other feet, or more, while one foot makes no step."""
+ONE_FORCE: Final = 0.02
+"""Share of a load within which that of a sensor that has stopped stays."""
+MOSTLY: Final = 0.75
+"""Share of the time in which it does so: it may stop in the midst of a stance."""
+FAR_M: Final = 1.0
+"""m: no foot stays where it is while the base goes so far."""
+_INSTANTS: Final = 50
 _CELL_NS: Final = round(1e9 / CELL_RATE_HZ)
 
 
-def without_stopped(feet: Sequence[FootHistory]) -> tuple[FootHistory, ...]:
-    """Return histories in which the time is unknown in which a foot's sensor has stopped."""
-    stopped = [_stopped(row, feet) for row in range(len(feet))]
+def without_stopped(feet: Sequence[FootHistory], base: BaseHistory) -> tuple[FootHistory, ...]:
+    """Return histories in which the time is unknown in which a foot's sensor has stopped.
+
+    Args:
+        feet: histories of all feet.
+        base: poses without jumps.
+    """
+    stopped = [list(_stopped(row, feet, base)) for row in range(len(feet))]
     return tuple(
-        foot.stopped_in(spans) if len(spans) else foot
+        foot.stopped_in(np.array(spans, np.int64)) if spans else foot
         for foot, spans in zip(feet, stopped, strict=True)
     )
 
 
-def _stopped(row: int, feet: Sequence[FootHistory]) -> Ints:
-    """(s, 2) ns, from a foot's last touchdown until it certainly steps again."""
-    stances, others = feet[row].stances, [*feet[:row], *feet[row + 1 :]]
+def _stopped(row: int, feet: Sequence[FootHistory], base: BaseHistory) -> Iterator[tuple[int, int]]:
+    """Yield spans, ns, from a foot's last touchdown until it certainly steps again."""
+    foot, others = feet[row], [*feet[:row], *feet[row + 1 :]]
+    stances = foot.stances
     if not others or not len(stances.touchdown):
-        return timespans.no_spans()
+        return
     # A sensor that speaks in contact only begins and ends with one.
     first = min(each.start for each in feet if each.start is not None)
     last = max(each.end for each in feet if each.end is not None)
-    edges = np.concatenate([[first], stances.touchdown, [last]])
-    touchdowns = [np.searchsorted(each.stances.touchdown, edges) for each in others]
-    stepping = (np.diff(touchdowns, axis=1) >= MISSED_STEPS).sum(axis=0)
-    rows = np.flatnonzero(stepping >= max(len(others) / 2.0, 1.0))
-    return np.stack([edges[rows], edges[rows + 1]], axis=1)
+    starts = np.concatenate([[first], stances.touchdown])
+    leaves = np.concatenate([[first], stances.liftoff])
+    ends = np.concatenate([stances.touchdown, [last]])
+    down, up = _stepping(others, starts, leaves), _stepping(others, leaves, ends)
+    half = max(len(others) / 2.0, 1.0)
+    for at in np.flatnonzero((down > 0) | (up >= half)).tolist():
+        in_stance = np.array([starts[at], leaves[at]])
+        stays = down[at] >= half and _is_constant(foot, in_stance[None])
+        if up[at] >= half or stays or (down[at] and _goes_far(base, in_stance)):
+            yield int(starts[at]), int(ends[at])
+
+
+def _stepping(others: Sequence[FootHistory], start: Ints, end: Ints) -> Ints:
+    """(n,) the number of other feet that go on stepping in some spans."""
+    touchdowns = [each.stances.touchdown for each in others]
+    steps = [np.searchsorted(each, end) - np.searchsorted(each, start) for each in touchdowns]
+    stepping: Ints = (np.array(steps) >= MISSED_STEPS).sum(axis=0)
+    return stepping
+
+
+def _goes_far(base: BaseHistory, span: Ints) -> bool:
+    """Tell whether the base goes away from where it was, (2,) ns."""
+    position = base.position_at(np.linspace(span[0], span[1], _INSTANTS).astype(np.int64))[:, :2]
+    return bool((np.hypot(*(position - position[0]).T) > FAR_M).any())
+
+
+def _is_constant(foot: FootHistory, span: Ints) -> bool:
+    """Tell whether a foot's load hardly ever varies in a span, (1, 2) ns, but near its ends."""
+    held = timespans.intersect([foot.known, span])
+    time = timespans.ticks(held, _CELL_NS)
+    time = time[timespans.hold_window(held, time, 0, _CELL_NS)]
+    force = mean_impulses([foot], "force_impulse", time + _CELL_NS // 2, _CELL_NS // 2)[:, 0]
+    if not foot.has_force or len(force) < MISSED_STEPS:
+        return False
+    usual = float(median_of(force))
+    return bool((np.abs(force - usual) <= ONE_FORCE * usual).mean() > MOSTLY)
 
 
 def all_silent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:

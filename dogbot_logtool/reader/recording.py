@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -37,8 +36,6 @@ _REGULAR: Final = 0.75
 """Share of messages that must have the usual lag. Only the last of each stance should not."""
 _MOST_CELLS: Final = 1 << 27
 """States of joints that are kept of a topic: half a gigabyte of each kind."""
-_MANY_SPANS: Final = 16
-"""From which two are read at once, which makes half the calls; fewer keep all processes busy."""
 
 
 class _Timed(Record, Protocol):
@@ -96,9 +93,6 @@ def read_recording(
         alongside: what else is done with the messages.
     """
     chosen = list(log.grouped(_chunks(log, wanted)) if spans is None else spans)
-    if alongside is None and len(chosen) >= _MANY_SPANS:
-        pairs = zip_longest(chosen[::2], chosen[1::2], fillvalue=())
-        chosen = [(*first, *second) for first, second in pairs]
     joined = _Joined(wanted)
     done, total = 0, sum(chunk.data_size for chunk in log.chunks)
     read = partial(_read, wanted, alongside.work if alongside else None)

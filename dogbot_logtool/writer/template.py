@@ -33,8 +33,6 @@ VARINT: Final = f"V{_VARINT_WIDTH}"
 number padded to ten bytes with empty groups is valid, too."""
 TEXT: Final = "S6"
 """How texts are written."""
-_VARINT_SHORT: Final = 5
-"""Seven-bit groups that hold every number below 2^35."""
 
 
 _FILLERS: Final = 0x20, 0x50
@@ -214,10 +212,9 @@ def varints(values: Ints) -> NDArray[np.void]:
         (n,) of dtype ``V10``.
     """
     bits = values.view(np.uint64)
-    short = not len(bits) or int(bits.max()) < 1 << (7 * _VARINT_SHORT)
     # In every group but the last the highest bit is set, whatever is shifted into it.
     written = np.full((len(bits), _VARINT_WIDTH), 0x80, np.uint8)
-    for group in range(_VARINT_SHORT if short else _VARINT_WIDTH - 1):
+    for group in range(_VARINT_WIDTH - 1):
         written[:, group] |= (bits >> np.uint64(7 * group)).astype(np.uint8)
     written[:, -1] = bits >> np.uint64(63)
     return written.view(f"V{_VARINT_WIDTH}")[:, 0]

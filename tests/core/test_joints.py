@@ -59,3 +59,17 @@ def test_hostile_numbers_cost_their_rows(bad: float) -> None:
     assert found.metrics.peak_speed == pytest.approx(3.0, rel=0.01)
     assert found.position.max() <= 1.0
     assert (found.metrics.peak_effort or 0.0) <= 5.0
+
+
+def test_another_publisher_s_stamps_cost_no_states() -> None:
+    """An arm's states stand on the same topic, more often, and come 50 ms late."""
+    count = 500
+    log_time = np.arange(count) * 10_000_000 + 10**18
+    is_leg = np.arange(count) % 5 == 0
+    stamp = log_time - np.where(is_leg, 0, 50_000_000)
+    position = np.where(np.stack([is_leg, ~is_leg], axis=1), 0.5, np.nan)
+    unknown = np.full_like(position, np.nan)
+    states = JointSamples(log_time, stamp, position, unknown, unknown)
+    table = JointTable("/joint_states", ("knee", "wrist"), states)
+    found = joint_tracks([table], TimeSource.HEADER, {})
+    assert {name: len(each.time) for name, each in found.items()} == {"knee": 100, "wrist": 400}

@@ -326,7 +326,7 @@ def write_mcap(
             if topic not in channels:
                 about = {"callerid": "/tests"}
                 channels[topic] = writer.register_channel(topic, encoding, schemas[kind], about)
-            writer.add_message(channels[topic], log_time, data, log_time - 7, 3)
+            writer.add_message(channels[topic], log_time, data, max(log_time - 7, 0), 3)
         if extras:
             writer.add_attachment(5, 6, "map.txt", "text/plain", b"here be dragons" * 100)
             writer.add_attachment(7, 8, "empty", "application/octet-stream", b"")

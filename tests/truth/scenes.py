@@ -208,22 +208,14 @@ def then(first: Recording, second: Recording) -> Recording:
     Both must be undisturbed. What is true of the first's gait stays true of the whole, and of the
     second its events; a foot that is down in one and up in the other lands or leaves between them.
     """
-    step = first.base.time[1] - first.base.time[0]
-    later = float(first.seconds + step)
-    moved = first.base.position[-1] - second.base.position[0]
-    moved[2] = 0.0
-    pairs = list(zip(first.feet, second.feet, strict=True))
-    truths = zip(first.truth.feet, second.truth.feet, strict=True)
-    seconds = first.seconds, second.seconds
-    feet = tuple(
-        _joined_truth(*truth, *pair, later, seconds)
-        for truth, pair in zip(truths, pairs, strict=True)
-    )
+    later = float(first.seconds + first.base.time[1] - first.base.time[0])
+    moved = (first.base.position[-1] - second.base.position[0]) * [1.0, 1.0, 0.0]
+    pairs = zip(first.feet, second.feet, strict=True)
     return replace(
         first,
         feet=tuple(_joined(*pair, later, moved) for pair in pairs),
         base=_joined(first.base, second.base, later, moved),
-        truth=_joined_truths(first.truth, second.truth, feet, seconds, later),
+        truth=_joined_truth(first, second, later),
         seconds=later + second.seconds,
     )
 
@@ -248,46 +240,33 @@ def _joined(first: _Columns, second: _Columns, later: float, moved: Floats) -> _
     return replace(first, **columns)
 
 
-def _joined_truth(
-    one: FootTruth,
-    other: FootTruth,
-    before: FootRecording,
-    after: FootRecording,
-    later: float,
-    seconds: tuple[float, float],
-) -> FootTruth:
-    was, is_now = before.touching[-1], after.touching[0]
-    lands = (later,) if is_now and not was else ()
-    leaves = (later,) if was and not is_now else ()
-    down = one.contact_fraction * seconds[0] + other.contact_fraction * seconds[1]
+def _joined_truth(first: Recording, second: Recording, later: float) -> Truth:
+    truths, whole_s = (first.truth, second.truth), first.seconds + second.seconds
+    feet = []
+    for row, (one, other) in enumerate(zip(*(truth.feet for truth in truths), strict=True)):
+        was, is_now = first.feet[row].touching[-1], second.feet[row].touching[0]
+        lands = [0.0] * bool(is_now and not was) + list(other.touchdown_s)
+        leaves = [0.0] * bool(was and not is_now) + list(other.lift_off_s)
+        down_s = one.contact_fraction * first.seconds + other.contact_fraction * second.seconds
+        foot = replace(
+            one,
+            touchdown_s=(*one.touchdown_s, *(each + later for each in lands)),
+            lift_off_s=(*one.lift_off_s, *(each + later for each in leaves)),
+            contact_fraction=down_s / whole_s,
+        )
+        feet.append(foot)
+    ways = [truth.path_length_m for truth in truths]
+    way = sum(each.truth.forward_speed_mps * each.seconds for each in (first, second))
     return replace(
-        one,
-        touchdown_s=(*one.touchdown_s, *lands, *(each + later for each in other.touchdown_s)),
-        lift_off_s=(*one.lift_off_s, *leaves, *(each + later for each in other.lift_off_s)),
-        contact_fraction=down / sum(seconds),
-    )
-
-
-def _joined_truths(
-    first: Truth,
-    second: Truth,
-    feet: tuple[FootTruth, ...],
-    seconds: tuple[float, float],
-    later: float,
-) -> Truth:
-    ways = [way for way in (first.path_length_m, second.path_length_m) if way is not None]
-    way = first.forward_speed_mps * seconds[0] + second.forward_speed_mps * seconds[1]
-    speed = way / (later + seconds[1])
-    return replace(
-        first,
-        feet=feet,
-        path_length_m=sum(ways) if len(ways) == 2 else None,
+        first.truth,
+        feet=tuple(feet),
+        path_length_m=None if None in ways else sum(each or 0.0 for each in ways),
         height_m=None,
         impulse_over_weight=None,
-        forward_speed_mps=speed,
+        forward_speed_mps=way / (later + second.seconds),
         support=None,
         froude=None,
         climb_m=None,
-        falls_s=first.falls_s + tuple(each + later for each in second.falls_s),
-        seams_s=(*first.seams_s, later),
+        falls_s=first.truth.falls_s + tuple(each + later for each in second.truth.falls_s),
+        seams_s=(*first.truth.seams_s, later),
     )

@@ -11,7 +11,7 @@ import json
 import os
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -90,7 +90,7 @@ _COLUMNS: Final = ("subject", "log", "right", "null", "wrong", "data quality", "
 
 def main() -> None:
     """Write the page and the table."""
-    subjects: list[str] = []
+    subjects: list[Sequence[object]] = []
     logs = odd = 0
     with tempfile.TemporaryDirectory() as folder, TABLE.open("w", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
@@ -109,12 +109,11 @@ def main() -> None:
                 row = subject, case.name, right, null, wrong, found.quality, warnings
                 table.writerow(row)
                 logs, odd = logs + 1, odd + bool(wrong)
-            counts = len(cases), statuses["right"], statuses["null"]
-            rest = statuses.total() - sum(counts[1:])
-            subjects.append(_table_row((subject, *map(str, counts), str(rest))))
+            rest = statuses["wrong"] + statuses["unexplained"]
+            subjects.append((subject, len(cases), statuses["right"], statuses["null"], rest))
     counted = f"Of {logs} kinds of closed-form logs {logs - odd} are right, or null with the cause"
-    head = _table_head(("subject", "logs", "figures right", "null, cause named", "wrong"))
-    closed = f"{_HEAD}\n{counted} named.\n\n{head}{''.join(subjects)}"
+    columns = "subject", "logs", "figures right", "null, cause named", "wrong"
+    closed = f"{_HEAD}\n{counted} named.\n\n{_table(columns, subjects)}"
     PAGE.write_text(f"{closed}{without_sensors()}{_real()}", "utf-8")
 
 
@@ -145,8 +144,8 @@ def without_sensors() -> str:
                 went = f"{truth.speed_mps:.3f} → {speed:.3f}"
                 error = None if ratio is None else force_error_bw(walk, truth)
                 forces = _number(ratio, 2), _number(error, 2)
-                rows.append(_table_row((*cells, went, *forces)))
-    return f"{_BARE}\n{_table_head(columns)}{''.join(rows)}"
+                rows.append((*cells, went, *forces))
+    return f"{_BARE}\n{_table(columns, rows)}"
 
 
 def _real() -> str:
@@ -156,20 +155,17 @@ def _real() -> str:
         return f"\n{REAL}{kept}" if found else ""
     columns = ("log", "foot", "contact fraction", "touchdowns", "lift-offs")
     words = "\nWithout any option but the feet's topics; events but the first and the last.\n\n"
-    rows = "".join(map(_table_row, labelled_rows(Path(folder))))
-    return f"\n{REAL}{words}{_table_head(columns)}{rows}"
+    return f"\n{REAL}{words}{_table(columns, labelled_rows(Path(folder)))}"
 
 
 def _number(value: float | None, decimals: int) -> str:
     return "null" if value is None else f"{value:.{decimals}f}"
 
 
-def _table_head(columns: Sequence[str]) -> str:
-    return f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}\n"
-
-
-def _table_row(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |\n"
+def _table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table of Markdown."""
+    first, *others = (f"| {' | '.join(map(str, cells))} |\n" for cells in (columns, *rows))
+    return f"{first}|{'---|' * len(columns)}\n{''.join(others)}"
 
 
 if __name__ == "__main__":

@@ -185,13 +185,6 @@ def test_copies_are_what_the_serialiser_makes(
         assert got[:11] == want[:11]
 
 
-def test_a_number_may_stand_in_two_places() -> None:
-    two = {"first": NUMBER["n"], "second": NUMBER["n"]}
-    template = learn(lambda filled: struct.pack("<I10xI", *filled.values()), two, KINDS)
-    written = payloads(template, {"n": np.array([7, 8])}, 2)
-    assert written == [struct.pack("<I10xI", number, number) for number in (7, 8)]
-
-
 @pytest.mark.parametrize("text", [b"!   ", b"a text", b'!!!     "!!     #!!     '])
 def test_a_text_may_have_the_bytes_of_a_mark(text: bytes) -> None:
     width = len(text)

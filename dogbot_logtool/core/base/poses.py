@@ -14,6 +14,7 @@ from dogbot_logtool.core.arrays import (
     all_finite,
     concatenated,
     header_time,
+    interpolated,
     median_of,
     median_of_known,
     picked,
@@ -194,16 +195,11 @@ class BaseHistory:
     def _interpolated(self, time: Ints, values: Floats) -> Floats:
         if len(self.time) == 0:
             return np.full((len(time), 3), np.nan)
-        last = len(self.time) - 1
-        after = np.minimum(np.searchsorted(self.time, time), last)
+        at = interpolated(time, self.time, values)
+        after = np.minimum(np.searchsorted(self.time, time), len(self.time) - 1)
         before = np.where(self.time[after] > time, np.maximum(after - 1, 0), after)
-        since, step = time - self.time[before], self.time[after] - self.time[before]
-        share = np.clip(since / np.maximum(step, 1), 0.0, 1.0)[:, None]
-        # `take` picks rows of vectors four times as fast as an index does.
-        first = values.take(before, axis=0)
-        at: Floats = first + share * (values.take(after, axis=0) - first)
         # Both poses around a time must be near; beyond the ends there is only one.
-        away = np.maximum(np.abs(since), np.abs(self.time[after] - time))
+        away = np.maximum(np.abs(time - self.time[before]), np.abs(self.time[after] - time))
         at[away > self._reach_ns] = np.nan
         return at
 

@@ -149,23 +149,35 @@ def joint_tracks(
     """
     found: dict[str, JointTrack] = {}
     for table in tables:
-        samples, time = table.samples, clock.of(table.samples)
-        usable = np.ones(len(time), np.bool_)
-        if clock is TimeSource.HEADER:
-            usable = check_stamps(table.topic, samples.stamp, samples.log_time).usable
+        samples = table.samples
+        used: dict[bytes, tuple[Ints, Ints]] = {}
+        """Rows and times by the messages that have states: those of most joints are the same."""
         for column, name in enumerate(table.names):
-            known = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
-            rows = np.flatnonzero(usable & known)
-            rows = rows[advancing(time[rows])]
+            recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
+            key = recorded.tobytes()
+            if key not in used:
+                used[key] = _usable(table, np.flatnonzero(recorded), clock)
+            rows, time = used[key]
             if len(rows) and name not in found and len(found) < MOST_JOINTS:
                 position, velocity, effort = (
                     each[rows, column].astype(np.float64)
                     for each in (samples.position, samples.velocity, samples.effort)
                 )
                 limit = limits.get(name, JointLimits())
-                times = time[rows], samples.log_time[rows]
+                times = time, samples.log_time[rows]
                 found[name] = _track(name, times, position, velocity, effort, limit)
     return dict(sorted(found.items()))
+
+
+def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
+    """Return those of some messages whose time is later than all before, and these times, ns."""
+    log_time, stamp = table.samples.log_time[rows], table.samples.stamp[rows]
+    good = np.ones(len(rows), np.bool_)
+    if clock is TimeSource.HEADER:
+        good = check_stamps(table.topic, stamp, log_time).usable.copy()
+    time = clock.of(table.samples)[rows]
+    good[good] = advancing(time[good])
+    return rows[good], time[good]
 
 
 def _track(

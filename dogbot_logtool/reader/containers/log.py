@@ -150,15 +150,9 @@ class Messages:
         return replace(self, start=self.start + offset, end=self.end + offset)
 
 
-def no_messages() -> Messages:
-    """Return an empty table."""
-    nothing = np.empty(0, np.int64)
-    return Messages(nothing, nothing, nothing, nothing, nothing, nothing)
-
-
 def concatenate_messages(parts: Sequence[Messages]) -> Messages:
     """Stack message tables."""
-    return concatenated(parts) if parts else no_messages()
+    return concatenated(parts) if parts else Messages(*np.empty((6, 0), np.int64))
 
 
 class LoadedChunk(NamedTuple):
@@ -307,11 +301,6 @@ class Log(ABC):
             sizes[is_used] += chunk.size
         if group:
             yield tuple(group)
-
-    @property
-    def can_fork(self) -> bool:
-        """Whether copies of this process may read it, too."""
-        return self.source.can_fork
 
     def located(self, loss: Loss) -> Loss:
         """Return a loss in this file with the log times between which it lies, if known."""

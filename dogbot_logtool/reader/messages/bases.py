@@ -63,10 +63,7 @@ def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
     if source.row.choose:
         return _chosen_poses(source, messages, element)
     if source.row.numbered:
-        values = dict(
-            zip(("position", "orientation"), _poses_of_joints(source, table), strict=True)
-        )
-        return _poses(source, messages, np.arange(table.rows), values)
+        return _poses(source, messages, np.arange(table.rows), _poses_of_joints(source, table))
     message = np.arange(table.rows)
     if paths["position"][0].is_array_of_elements:
         message = np.unique(table.nested(paths["position"][0].arrays[0].path).parent)
@@ -114,7 +111,7 @@ def _chosen_poses(source: Source, messages: DecodedMessages, element: str) -> Ba
     return _poses(source, messages, message_of[named], values, stamp, frames)
 
 
-def _poses_of_joints(source: Source, table: Table) -> tuple[Floats, Floats]:
+def _poses_of_joints(source: Source, table: Table) -> Mapping[str, Floats]:
     """Return positions, (n, 3) m, NaN where one is missing, and roll, pitch, yaw, (n, 3) rad."""
     number, position = source.paths["numbered"]
     parent = table.nested(number.arrays[0].path).parent
@@ -124,7 +121,7 @@ def _poses_of_joints(source: Source, table: Table) -> tuple[Floats, Floats]:
     # A base that cannot turn has no joints for it.
     values[:, :3] = 0.0
     values[parent[known], joint[known]] = position.all_values(table)[known, 0]
-    return values[:, 3:], values[:, :3]
+    return {"position": values[:, 3:], "orientation": values[:, :3]}
 
 
 def _poses(

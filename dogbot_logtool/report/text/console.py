@@ -15,8 +15,7 @@ from rich.segment import Segment
 from rich.text import Text
 
 from dogbot_logtool.finding import Finding, Severity, by_severity
-from dogbot_logtool.io.printable import printable, printable_lines
-from dogbot_logtool.io.streams import styled
+from dogbot_logtool.io.printable import printable, printable_lines, styled
 from dogbot_logtool.reader.containers.loss import Damage
 
 _COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "cyan"}

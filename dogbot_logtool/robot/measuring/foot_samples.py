@@ -30,8 +30,9 @@ _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""
 _CONTRADICTED: Final = 0.2
 """Share of contradicted flags from which constant flags are taken for not filled in."""
-_INVERTED: Final = 0.75
-"""Share of contradicted flags from which any are ignored."""
+_INVERTED: Final = 0.1
+"""Share of a foot's mean load without contact flags below which that with flags is, if they are
+inverted; an offset of the sensor seldom takes off as much."""
 _DOUBTFUL: Final = 0.05
 """Share of contradicted flags from which it is said."""
 _BLUR: Final = 0.02
@@ -83,8 +84,8 @@ def decide_contacts(
 def _compare_flags(feet: Sequence[Samples], selection: Selection, rows: Sequence[int]) -> Selection:
     """Compare contact flags of some feet with the forces beside them.
 
-    Flags that never change although forces do are not filled in, and those that mostly contradict
-    the forces are inverted: these are ignored.
+    Flags that never change although forces do are not filled in, and those of a foot that bears
+    its load without them are inverted: these are ignored.
     """
     times = np.unique(np.concatenate([each.log_time for each in feet]))
     load, flag = np.full((2, len(times), len(feet)), np.nan)
@@ -92,7 +93,8 @@ def _compare_flags(feet: Sequence[Samples], selection: Selection, rows: Sequence
         at = np.searchsorted(times, each.log_time)
         load[at, foot], flag[at, foot] = norms(each.force), each.in_contact
     known = np.isfinite(load)
-    total = np.where(known, load, 0.0).sum(axis=1, keepdims=True)
+    borne = np.where(known, load, 0.0)
+    total = borne.sum(axis=1, keepdims=True)
     touching = flag > 0.0
     wrong = np.where(touching, load == 0.0, load > _LOAD_SHARE * total)
     # Without any load, as before a simulation begins, forces tell nothing.
@@ -100,7 +102,10 @@ def _compare_flags(feet: Sequence[Samples], selection: Selection, rows: Sequence
     count, touches = known.sum(axis=0), (touching & known).sum(axis=0)
     share = wrong.sum(axis=0) / np.maximum(count, 1)
     constant = (touches == 0) | (touches == count)
-    ignored = (share > _INVERTED) | (constant & (share > _CONTRADICTED))
+    flagged = np.where(touching, borne, 0.0).sum(axis=0) / np.maximum(touches, 1)
+    others = np.where(touching, 0.0, borne).sum(axis=0) / np.maximum(count - touches, 1)
+    inverted = flagged < _INVERTED * others
+    ignored = np.where(constant, share > _CONTRADICTED, inverted)
     if constant.all() and wrong.sum() > _CONTRADICTED * count.sum():
         ignored[:] = True
     findings, numbers = [], np.array(rows)

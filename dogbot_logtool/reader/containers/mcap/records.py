@@ -114,9 +114,7 @@ def described(record: bytes) -> Description | None:
 
 def schema_record(schema: Schema) -> records.Schema:
     """Return the record of a schema."""
-    return records.Schema(
-        id=schema.id, name=schema.name, encoding=schema.encoding, data=schema.data
-    )
+    return records.Schema(**schema._asdict())
 
 
 def channel_record(channel: Channel) -> records.Channel:
