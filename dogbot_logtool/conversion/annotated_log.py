@@ -144,7 +144,7 @@ def copied_chunks(
             chunks += _new_chunks(batch, partial, compression)
             partial = []
             # Where processes share the file, its bytes need not be sent from one to another.
-            chunks.append(chunk if log.can_fork else as_it_stands(chunk, loaded.stored))
+            chunks.append(chunk if log.source.can_fork else as_it_stands(chunk, loaded.stored))
         else:
             partial.append(loaded.rows)
     return [*chunks, *_new_chunks(batch, partial, compression)]

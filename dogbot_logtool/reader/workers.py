@@ -38,7 +38,7 @@ def start_method(log: Log) -> Start:
     """
     import multiprocessing  # noqa: PLC0415 - see above
 
-    if multiprocessing.current_process().daemon or not log.can_fork:
+    if multiprocessing.current_process().daemon or not log.source.can_fork:
         return "threads"
     if sys.platform == "linux":
         return "fork"

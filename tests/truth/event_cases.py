@@ -162,6 +162,9 @@ def no_steps() -> Iterator[Case]:
     yield Case("tipping", scenes.tipping(), (), r"\btip", "",
                events=(Event("tipping", 7.0, 1.0, code="FALL", value=(0.35, 0.01)),))
     yield Case("rolling on wheels", scenes.rolling(), (), WHEELS)
+    to_and_fro = (2.0, 0.0), (3.0, 1.0), (5.0, 1.0), (6.0, 0.0)
+    yield Case("rolling to and fro on wheels",
+               replace(scenes.rolling(), forward=to_and_fro), (), WHEELS, skip="speed, path")
     yield Case("rolling on wheels, force sensors", scenes.rolling(), QUIET, WHEELS)
     for newtons in (-60.0, -20.0, 20.0):
         yield Case(f"rolling on wheels, offset {newtons:+g} N", scenes.rolling(),

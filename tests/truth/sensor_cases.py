@@ -146,6 +146,9 @@ def slopes() -> Iterator[Case]:
                (FORCE, link, sensor.noise(1.0), sensor.offset(-30.0)), LEVEL, f"{LEVEL}|{frame}")
     gallop = Walk(gait=gaits.ROTARY_GALLOP, period_s=0.5, speed_mps=2.0, traction=0.3)
     yield Case("gallop, world forces, strong traction", gallop)
+    yield Case("walk, world forces, strong traction, mass not given",
+               Walk(gait=gaits.WALK, period_s=1.0, traction=0.6), (NO_MASS,), "DIRECTION_UNKNOWN",
+               "DIRECTION_UNKNOWN|MASS")
     # Legs that lean forward on average: their links' forces seem to push the robot on.
     lean = Walk(link_swing_rad=0.3, link_lean_rad=0.2)
     yield Case("link forces, /tf of legs that never move", lean,

@@ -283,8 +283,8 @@ def _scale(walk: Walk, own: Motion, way: Comparison | None) -> Iterator[Finding]
     longest = FURTHEST_LEGS * LONGEST_LEG_M * (walk.settings.mass_kg or HEAVIEST_KG) ** (1.0 / 3.0)
     factor = 1.0 if way is None else way.scale
     if not SCALES[0] <= factor <= SCALES[1]:
-        metres = 1.0 / factor
-        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=way, metres=metres)
+        unit = f"another unit (--set odometry_scale={1.0 / factor:.3g}), or " if factor else ""
+        yield _doubted(walk, "POSE_SCALE", factor=factor, witness=way, unit=unit)
     elif walk.period_s and length_m > longest:
         yield _doubted(walk, "POSE_SCALE", say="stride", way=length_m, longest=longest)
 

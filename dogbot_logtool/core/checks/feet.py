@@ -158,15 +158,15 @@ def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
     tolerance = REFUTED if walk.settings.contact_from else WEIGHT_TOLERANCE
     missing = walk.settings.lacks_feet and (ratio or 0.0) < 1.0
     if magnitude is not None and "shares" in loads.refuted:
-        words: Words = {"ratio": magnitude, "cause": _likely_cause(walk, magnitude)}
-        yield found("IMPULSE_IS_NOT_WEIGHT", *loads.refuted, where=_RATIO, say="magnitude", **words)
-    if ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
-        yield found(
-            "IMPULSE_IS_NOT_WEIGHT", *loads.refuted, where=_RATIO, say="downwards", loads=loads
-        )
-    if ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
-        words = {"ratio": ratio, "cause": _likely_cause(walk, ratio)}
-        yield found("IMPULSE_IS_NOT_WEIGHT", *loads.refuted, where=_RATIO, say="plain", **words)
+        say, odd = "magnitude", magnitude
+    elif ratio is None and (loads.mean_vertical_n or 0.0) < 0.0:
+        say, odd = "downwards", 0.0
+    elif ratio is not None and not missing and abs(ratio - 1.0) > tolerance:
+        say, odd = "plain", ratio
+    else:
+        return
+    words: Words = {"loads": loads, "ratio": odd, "cause": _likely_cause(walk, odd)}
+    yield found("IMPULSE_IS_NOT_WEIGHT", *loads.refuted, where=_RATIO, say=say, **words)
 
 
 def forces_lean(walk: Walk) -> Iterator[Finding]:

@@ -61,18 +61,10 @@ def filtered(walk: Walk) -> Iterator[Finding]:
     for say, resolved in (("plain", True), ("heavy", False)):
         some = {name: each.tau_s for name, each in filters if each.resolved is resolved}
         if some:
-            tau_s = max(some.values())
-            cases = () if resolved else ("heavy",)
-            yield found(
-                "FORCE_FILTERED",
-                *cases,
-                where="feet",
-                say=say,
-                feet=tuple(some),
-                names=", ".join(some),
-                milliseconds=1e3 * tau_s,
-                hertz=1.0 / (2.0 * np.pi * tau_s),
-            )
+            tau_s, cases = max(some.values()), () if resolved else ("heavy",)
+            hertz, names = 1.0 / (2.0 * np.pi * tau_s), ", ".join(some)
+            words: Words = {"names": names, "milliseconds": 1e3 * tau_s, "hertz": hertz}
+            yield found("FORCE_FILTERED", *cases, where="feet", say=say, feet=[*some], **words)
 
 
 def silent_feet(walk: Walk) -> Iterator[Finding]:

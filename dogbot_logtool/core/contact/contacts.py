@@ -281,7 +281,8 @@ def _usual(time: Ints) -> Usual:
     """Learn how long the intervals and swings of a foot usually are, from its times, (n,) ns."""
     step = np.diff(time)
     known = step[step > 0]
-    interval = int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS
+    usual = int(median_of(known)) if len(known) else _USUAL_INTERVAL_NS
+    interval = min(usual, LONGEST_SWING_NS)
     long = step[(step > _LONG_INTERVALS * interval) & (step <= LONGEST_SWING_NS)]
     return interval, long if len(long) >= _FEWEST_SILENCES else long[:0]
 
@@ -319,10 +320,11 @@ def _swinging(
     # Messages that are logged in bursts are late, but for the last of each.
     delay = times[0] - times[1] if on_stamps else np.zeros(1, np.int64)
     # The log's ends may cut a swing: the foot is silent from one interval before the log starts.
-    first = int(times[int(on_stamps), 0] + delay.min())
+    soonest, latest = int(delay.min()), int(delay.max())
+    first = int(times[int(on_stamps), 0]) + soonest
     ahead = 0 if log_start is None else first - log_start + interval
-    if times[1, 0] <= max(0, ahead - interval):
-        # A stamp of 0 or less would say that there are none.
+    # Beyond the longest swing it is none; and a stamp of 0 or less would say that there are none.
+    if not 0 <= ahead <= LONGEST_SWING_NS or times[1, 0] <= max(0, ahead - interval):
         ahead = 0
     behind = 0 if log_end is None else log_end + interval - int(times[0, -1])
     times = np.concatenate([times[:, :1] - ahead, times, times[:, -1:] + behind], axis=1)
@@ -331,7 +333,8 @@ def _swinging(
     # The log's start or end may cut a swing; a shorter silence is a lost message even there, or
     # the delay of the first one.
     lasts_from = np.full(len(step), round(MISSED_INTERVALS * interval))
-    lasts_from[0] = max(lasts_from[0], round(LONGEST_DELAY_S * 1e9) + np.ptp(delay))
+    delayed = round(LONGEST_DELAY_S * 1e9) + min(latest - soonest, LONGEST_SWING_NS)
+    lasts_from[0] = max(lasts_from[0], delayed)
     if len(swings):
         shortest = round(_PART_OF_SWING * float(median_of(swings)))
         lasts_from[1:-1] = np.maximum(lasts_from[1:-1], shortest)

@@ -36,9 +36,10 @@ _EARLIEST: Final = -(1 << 62)
 class _NoBytes(ByteSource):
     """Stands for the bytes of all files, each of which has its own source."""
 
-    def __init__(self, path: Location, size: int) -> None:
+    def __init__(self, path: Location, sources: Sequence[ByteSource]) -> None:
         self.path = path
-        self.size = size
+        self.size = sum(source.size for source in sources)
+        self.can_fork = all(source.can_fork for source in sources)
 
     def close(self) -> None:
         """Do nothing."""
@@ -55,7 +56,7 @@ class JoinedLog(Log):
             logs: at least one.
             losses: damage to the whole.
         """
-        super().__init__(_NoBytes(path, sum(log.source.size for log in logs)))
+        super().__init__(_NoBytes(path, [log.source for log in logs]))
         channels: dict[tuple[object, ...], Channel] = {}
         schemas: dict[tuple[str, str, bytes], Schema] = {}
         self.logs = [own for log in logs for own in _parts(log)]
@@ -71,11 +72,6 @@ class JoinedLog(Log):
         self.extras = [extra for log in logs for extra in log.extras]
         found = [_named(loss, log) for log in logs for loss in log.losses]
         self.losses = [*losses, *found]
-
-    @property
-    def can_fork(self) -> bool:
-        """See `Log.can_fork`."""
-        return all(log.can_fork for log in self.logs)
 
     def overlaps(self, chunk: Chunk, start: int | None, end: int | None) -> bool:
         """See `Log.overlaps`."""

@@ -302,11 +302,6 @@ class Log(ABC):
         if group:
             yield tuple(group)
 
-    @property
-    def can_fork(self) -> bool:
-        """Whether copies of this process may read it, too."""
-        return self.source.can_fork
-
     def located(self, loss: Loss) -> Loss:
         """Return a loss in this file with the log times between which it lies, if known."""
         at_end = loss.offset and loss.offset + loss.bytes >= self.source.size
