@@ -76,12 +76,12 @@ def test_a_scheduler_of_another_version(tmp_path: Path) -> None:
 def test_a_worker_that_cannot_do_it(address: str, tmp_path: Path, first: str, what: str) -> None:
     """Items that it gets fail at once, and are not waited for."""
     with workers(address, 1, tmp_path), ClusterRunner[Any](address) as runner:
-        results = runner.run(work, [("slow", tmp_path)] * 20, Progress())
+        results = runner.run(work, [("slow", tmp_path)] * 200, Progress())
         assert next(results) == "SLOW"
         with workers(address, 1, tmp_path, first):
             rest = list(results)
     failures = [found for found in rest if found != "SLOW"]
-    assert len(rest) == 19
+    assert len(rest) == 199
     assert failures
     assert all(what in failure.sentence for failure in failures)
 
