@@ -128,12 +128,14 @@ def by_points(
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     """Return when and where a foot rests: once a stance, twice in a stance that is long."""
     time, place = stance_places(foot)
-    known = all_finite(place)
-    time, place = time[known], place[known]
-    duration = (foot.stances.liftoff - foot.stances.touchdown)[known]
+    duration = foot.stances.liftoff - foot.stances.touchdown
     if not len(time):
         return time, place
-    longer = np.maximum(duration - 2.0 * int(median_of(duration)), 0.0).astype(np.int64)
+    usual = int(median_of(duration))
+    # Where something cuts a usual stance, its middle is not known.
+    known = all_finite(place) & (foot.stances.whole | (duration > 2 * usual))
+    time, place, duration = time[known], place[known], duration[known]
+    longer = np.maximum(duration - 2 * usual, 0)
     twice = np.stack([time, time + longer], axis=1).ravel()
     both = np.repeat(place, 2, axis=0)
     kept = np.concatenate([[True], np.diff(twice) > 0])
