@@ -2,8 +2,9 @@
 
 Two world frames, or a drifting odometry, part base and feet. The base goes up and down when the
 feet's forces drive it: so physics compares their clocks. A sensor that stops makes no step
-while the others go on. A planted foot makes none either: it feels the load shift, and the base
-does not go away from it.
+while the others go on. A foot that is lifted, or planted, makes none either: of a lifted one the
+other feet carry the load; a planted one feels the load shift, and the base does not go away from
+it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,6 +28,8 @@ ONE_FORCE: Final = 0.02
 """Share of a load within which that of a sensor that has stopped stays."""
 MOSTLY: Final = 0.75
 """Share of the time in which it does so: it may stop in the midst of a stance."""
+LACKS: Final = 0.5
+"""Share of a foot's usual load that must be missing from the sum of all feet's."""
 FAR_M: Final = 1.0
 """m: no foot stays where it is while the base goes so far."""
 _INSTANTS: Final = 50
@@ -62,9 +65,10 @@ def _stopped(row: int, feet: Sequence[FootHistory], base: BaseHistory) -> Iterat
     down, up = _stepping(others, starts, leaves), _stepping(others, leaves, ends)
     half = max(len(others) / 2.0, 1.0)
     for at in np.flatnonzero((down > 0) | (up >= half)).tolist():
-        in_stance = np.array([starts[at], leaves[at]])
+        in_stance, in_swing = np.array([[starts[at], leaves[at]], [leaves[at], ends[at]]])
         stays = down[at] >= half and _is_constant(foot, in_stance[None])
-        if up[at] >= half or stays or (down[at] and _goes_far(base, in_stance)):
+        hangs = up[at] >= half and _load_is_missing(foot, feet, in_swing[None])
+        if stays or hangs or (down[at] and _goes_far(base, in_stance)):
             yield int(starts[at]), int(ends[at])
 
 
@@ -92,6 +96,22 @@ def _is_constant(foot: FootHistory, span: Ints) -> bool:
         return False
     usual = float(median_of(force))
     return bool((np.abs(force - usual) <= ONE_FORCE * usual).mean() > MOSTLY)
+
+
+def _load_is_missing(foot: FootHistory, feet: Sequence[FootHistory], span: Ints) -> bool:
+    """Tell whether the load that a foot usually carries is missing in a span, (1, 2) ns."""
+    if not all(each.has_force for each in feet):
+        return True
+    known = timespans.intersect([each.known for each in feet])
+    inside, usual = timespans.intersect([known, span]), timespans.subtract(known, span)
+    if 2 * timespans.total(inside) < timespans.total(span) or not len(usual):
+        return True
+    own, now, before = (
+        sum(float(each.track.force_impulse.within(spans)[0]) for each in those)
+        / timespans.total(spans)
+        for those, spans in (((foot,), usual), (feet, inside), (feet, usual))
+    )
+    return now < before - LACKS * own
 
 
 def all_silent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:

@@ -111,6 +111,11 @@ def others() -> Iterator[Case]:
                "PAYLOAD|WEIGHT", skip=skip)
     yield Case("a payload put on, force sensors", WALK,
                (*QUIET, foot.payload(3.0, 1.3), NO_MASS), "PAYLOAD", "PAYLOAD|MASS", ROUGH, skip)
+    own = ("class, sequence, touchdowns, lift-offs, contact fraction, duty factor, stride length, "
+           "phase, support, load share, peak force, braking")
+    for name, sensors in (("bumpers", ()), ("force sensors", QUIET)):
+        yield Case(f"one foot held up for six strides, {name}", replace(WALK, seconds=16.0),
+                   (foot.held_up("back_left", 5.0, 11.2), *sensors), "", skip=own)
     tread = "height, froude, slip, margin, verdict"
     for name, walk in (("trot", TROT), ("walk", WALK)):
         yield Case(f"treadmill, {name}, contact points", walk, (foot.treadmill,), "TREADMILL", "",

@@ -51,6 +51,27 @@ def payload(_: int, foot: FootRecording, from_s: float, share: float) -> FootRec
     return replace(foot, force=foot.force * np.where(foot.time < from_s, 1.0, share)[:, None])
 
 
+def held_up(of: str, from_s: float, until_s: float) -> Disturbance:
+    """Let a foot stay in the air for a while, and those on the ground carry its load."""
+
+    def change(recording: Recording) -> Recording:
+        number = recording.robot.feet.index(of)
+        own = recording.feet[number]
+        up = (own.time >= from_s) & (own.time < until_s)
+        others = sum(each.touching.astype(float) for each in recording.feet) - own.touching
+        load = np.where(up & (others > 0), 1.0 / np.maximum(others, 1.0), 0.0)[:, None] * own.force
+        feet = [
+            replace(each, force=each.force + load * each.touching[:, None])
+            for each in recording.feet
+        ]
+        feet[number] = replace(
+            own, force=np.where(up[:, None], 0.0, own.force), touching=own.touching & ~up
+        )
+        return replace(recording, feet=tuple(feet))
+
+    return change
+
+
 def treadmill(recording: Recording) -> Recording:
     """Let the ground carry all feet back as fast as the base walks on it."""
     base = recording.base

@@ -66,9 +66,9 @@ class Outcome:
 
 
 def _foot_topics(recording: Recording) -> Mapping[str, str] | None:
-    """Name a foot alone, and two that have wrench topics: names do not tell that these are feet."""
+    """Name the feet of which one or two have wrench topics, which are not found by name."""
     feet = recording.robot.feet
-    if recording.sensors or len(feet) > (2 if recording.kind == "wrench" else 1):
+    if recording.sensors or recording.kind != "wrench" or len(feet) > 2:
         return None
     return {name: recording.robot.topic(foot) for foot, name in enumerate(feet)}
 

@@ -54,6 +54,8 @@ def faults() -> Iterator[Case]:
         ("frozen from 4 s on", TROT, pose.frozen(4.0), still, EVERY),
         ("frozen from 2 to 5 s", TROT, pose.frozen(2.0, until_s=5.0), still, EVERY),
         ("frozen, slow walk", SLOW, pose.frozen(), still, EVERY),
+        ("frozen, two feet to the left", replace(BIPED, turn_radps=0.15), pose.frozen(), still,
+         (POINTS,)),
         ("frozen, on the spot in circles", ON_THE_SPOT, pose.frozen(), still, EVERY),
         ("all zero", TROT, pose.zeros(), still, EVERY),
         ("zero quaternions", TROT, pose.zeros((0.0, 0.0, 0.0, 0.0)), "NOT_FINITE", EVERY),

@@ -129,12 +129,12 @@ def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     """Return when and where a foot rests: once a stance, twice in a stance that is long."""
     time, place = stance_places(foot)
     duration = foot.stances.liftoff - foot.stances.touchdown
-    if not len(time):
-        return time, place
-    usual = int(median_of(duration))
+    usual = int(median_of(duration)) if len(time) else 0
     # Where something cuts a usual stance, its middle is not known.
     known = all_finite(place) & (foot.stances.whole | (duration > 2 * usual))
     time, place, duration = time[known], place[known], duration[known]
+    if not len(time):
+        return time, place
     longer = np.maximum(duration - 2 * usual, 0)
     twice = np.stack([time, time + longer], axis=1).ravel()
     both = np.repeat(place, 2, axis=0)
