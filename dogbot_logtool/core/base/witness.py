@@ -28,6 +28,7 @@ from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
 
@@ -128,13 +129,17 @@ def by_points(
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     """Return when and where a foot rests: once a stance, twice in a stance that is long."""
     time, place = stance_places(foot)
-    duration = foot.stances.liftoff - foot.stances.touchdown
-    usual = int(median_of(duration)) if len(time) else 0
-    # Where something cuts a usual stance, its middle is not known.
-    known = all_finite(place) & (foot.stances.whole | (duration > 2 * usual))
+    stances, known = foot.stances, all_finite(place)
+    if not known.any():
+        return time[known], place[known]
+    duration = stances.liftoff - stances.touchdown
+    usual = int(median_of(duration[stances.whole] if stances.whole.any() else duration))
+    # A stance that the log's start or end cuts is taken to be as long as others.
+    brief = duration < usual
+    begun, left = (brief & (stances.cut == cut) for cut in (Cut.LOG_START, Cut.LOG_END))
+    time[begun] = stances.liftoff[begun] - usual // 2
+    time[left] = stances.touchdown[left] + usual // 2
     time, place, duration = time[known], place[known], duration[known]
-    if not len(time):
-        return time, place
     longer = np.maximum(duration - 2 * usual, 0)
     twice = np.stack([time, time + longer], axis=1).ravel()
     both = np.repeat(place, 2, axis=0)

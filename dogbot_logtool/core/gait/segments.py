@@ -37,8 +37,9 @@ PERIOD_CHANGE: Final = 0.2
 """Share by which the stride period must change to count as a change."""
 DRIFT: Final = 2.0 * TOLERANCE
 """A stride stays with its segment's class up to this distance: a limp does not cut the line."""
-BORDER: Final = 0.5 * TOLERANCE
-"""So does one that another class fits better, up to this distance."""
+BORDER: Final = 1.2 * TOLERANCE
+"""So does one that another class fits better, up to this distance: a walk at the border of two
+classes is of one."""
 FEWEST_STRIDES: Final = 3
 """Strides from which phases can be consistent."""
 LONGEST_TRANSITION: Final = 4
