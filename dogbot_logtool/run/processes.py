@@ -52,7 +52,8 @@ class ProcessRunner(ExecutorRunner[Result]):
         self.jobs = jobs
         self.capacity = workers
         # Apple's libraries do not survive a fork, and daemonic processes may have no children.
-        forks = sys.platform == "linux" and not multiprocessing.current_process().daemon
+        forks = sys.platform == "linux" and hasattr(os, "fork")
+        forks = forks and not multiprocessing.current_process().daemon
         forks = forks and threading.active_count() == 1
         if forks and load is not None:
             importlib.import_module(load)

@@ -37,7 +37,7 @@ PATIENCE_S: Final = 10.0
 
 @pytest.fixture(scope="session")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A ROS 2 bag on which every command is busy for a second or so."""
+    """A ROS 2 bag on which every command is busy for half a second."""
     folder = tmp_path_factory.mktemp("long") / "log"
     return write_rosbag2(folder, *unpacked(TROT, 2), StoragePlugin.SQLITE3)
 
@@ -98,7 +98,7 @@ def test_signals_end_every_command_on_a_long_bag_at_once(bag: Path, folder: Path
         words = tuple(command.format(log=bag).split())
         with started(words, folder) as process:
             wait_until_ready(process)
-            time.sleep(0.08 * (number + 1))
+            time.sleep(0.08 * (number % 4 + 1))
             interrupt(process, [each], everyone=True)
             call = Call(words, 0.0, {})
             faults = list(faults_of(process, call, [each], folder, PATIENCE_S))

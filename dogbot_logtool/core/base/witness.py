@@ -140,7 +140,7 @@ def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     time[begun] = stances.liftoff[begun] - usual // 2
     time[left] = stances.touchdown[left] + usual // 2
     time, place, duration = time[known], place[known], duration[known]
-    longer = np.maximum(duration - 2 * usual, 0)
+    longer = np.maximum(duration - 2.0 * usual, 0.0).astype(np.int64)
     twice = np.stack([time, time + longer], axis=1).ravel()
     both = np.repeat(place, 2, axis=0)
     kept = np.concatenate([[True], np.diff(twice) > 0])
