@@ -10,6 +10,7 @@ from dogbot_logtool.core.arrays import (
     Floats,
     Ints,
     all_finite,
+    interpolated,
     median_of,
     median_of_known,
     norms,
@@ -35,8 +36,6 @@ from dogbot_logtool.finding import Finding, Words, found
 
 SIDES_APART_M: Final = 0.02
 """m by which a left foot must be to the right of the right one for that to be said."""
-MOST_TURNED_RAD: Final = np.radians(10.0)
-"""By which the world of contact points may be turned against that of the poses."""
 WALKED_M: Final = 0.5
 """m, way to a side from which its direction means something."""
 
@@ -66,10 +65,9 @@ def _headings_differ(walk: Walk) -> bool:
     witness, poses = walk.witness, walk.poses
     if witness is None or not witness.tells_heading:
         return True
-    time = witness.poses.time
-    heading = np.interp(time - time[0], poses.time - time[0], poses.angles[:, 2])
+    heading = interpolated(witness.poses.time, poses.time, poses.angles[:, 2:])[:, 0]
     apart = witness.poses.angles[:, 2] - heading - walk.settings.forward_rad
-    return bool(abs(np.angle(np.exp(1j * apart).mean())) > MOST_TURNED_RAD)
+    return bool(abs(np.angle(np.exp(1j * apart).mean())) > ASIDE_RAD)
 
 
 def falls(walk: Walk) -> Iterator[Finding]:
