@@ -217,7 +217,7 @@ def axes() -> Iterator[Case]:
     yield Case("topics of the fore feet swapped", WALK,
                (pose.swapped("front_left", "front_right"),), "SIDES_SWAPPED",
                skip="sequence, touchdowns, lift-offs, phase")
-    for speed in (0.02, -0.02):
+    for speed in (0.02, -0.02, -0.1):
         yield Case(f"odometry drifts by {speed:+g} m/s in z", Walk(seconds=12.0),
                    (pose.rising(speed),), "WORLDS_DIFFER the base (rises|sinks)")
     yield Case("odometry counts z anew from mid-log on", Walk(seconds=12.0),

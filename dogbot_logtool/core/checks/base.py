@@ -372,7 +372,8 @@ MOST_RISE_M: Final = 0.1
 what a lean that is some degrees off makes of it."""
 MOST_RISE: Final = 0.05
 RISES: Final = 0.2
-"""Share of its height by which a base that rises steadily over its feet does not do it itself."""
+"""Share of its height, or of the feet's spread, by which a base that rises steadily over its feet
+does not do it itself."""
 FEWEST_STRIDES: Final = 4
 
 
@@ -380,11 +381,13 @@ def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     """Yield that z of the poses goes away from where the feet lift the base."""
     rise = np.cumsum(feet.own.rise - feet.reference.rise)
     metres, height = float(rise[-1]), walk.base and walk.base.height_m
+    # Where z of one is counted from elsewhere, the height over the feet is not known.
+    tall = height.median if height else walk.worlds.spread_m if walk.worlds else np.inf
     if feet.by == LEGS and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]:
         if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
             words: Words = {"say": "legs", "metres": metres, "told": feet}
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
-    elif feet.by == POINTS and height and abs(metres) > RISES * height.median:
+    elif feet.by == POINTS and abs(metres) > RISES * tall:
         # A robot that crouches, or stretches its legs, does so at once.
         _, steadiness = trend(rise[:, None])
         if feet.strides >= FEWEST_STRIDES and steadiness >= STEADY:
