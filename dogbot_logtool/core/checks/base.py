@@ -224,8 +224,9 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
         side = "left" if way.direction_rad > 0.0 else "right"
         yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=way)
     yield from _orientation(walk, own, feet, windows)
-    yield from _planar(walk, feet, windows)
-    if feet is not None and not (walk.settings.contact_from or walk.settings.base_from_legs):
+    yield from (planar := list(_planar(walk, feet, windows)))
+    by_legs = walk.settings.contact_from or walk.settings.base_from_legs
+    if feet is not None and not (planar or by_legs):
         yield from _climb(walk, feet)
 
 
