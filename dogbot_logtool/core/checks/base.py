@@ -157,7 +157,7 @@ SCALES: Final = (0.8, 1.25)
 ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
 LEVEL_RAD: Final = 0.03
-"""Of a treadmill, on which a base goes neither up nor down."""
+"""Of a treadmill, on which a base goes neither up nor down; or a base without roll and pitch."""
 
 
 def treadmill(walk: Walk) -> Iterator[Finding]:
@@ -222,7 +222,9 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     if way is not None and abs(way.direction_rad) > ASIDE_RAD:
         degrees = abs(np.degrees(way.direction_rad))
         side = "left" if way.direction_rad > 0.0 else "right"
-        yield _doubted(walk, "POSE_DIRECTION", degrees=degrees, side=side, witness=way)
+        usual = np.abs(median_of(walk.poses.angles[:, :2], axis=0)).max()
+        leans = ("leans",) if usual > LEVEL_RAD else ()
+        yield _doubted(walk, "POSE_DIRECTION", *leans, degrees=degrees, side=side, witness=way)
     yield from _orientation(walk, own, feet, windows)
     yield from (planar := list(_planar(walk, feet, windows)))
     by_legs = walk.settings.contact_from or walk.settings.base_from_legs
