@@ -85,7 +85,8 @@ def flags() -> Iterator[Case]:
     coarse = Tolerance(event_s=0.1, duty=0.1, contact=0.1, phase=0.1, period=0.1)
     hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
     flags, turned = foot.as_flags, foot.inverted()
-    for name, walk in (("walk", WALK), ("trot", TROT), ("pronk", hop)):
+    slow = Walk(gait=gaits.PRONK, speed_mps=0.3, period_s=0.8)
+    for name, walk in (("walk", WALK), ("trot", TROT), ("pronk", hop), ("slow pronk", slow)):
         yield Case(f"flags, {name}", walk, (flags,), skip=NO_FORCE)
     for rate, walk in ((10.0, TROT), (5.0, WALK)):
         yield Case(f"flags, {rate:g} Hz", walk, (flags, foot.sampled(rate)), "SAMPLED_SLOWLY",
@@ -95,6 +96,8 @@ def flags() -> Iterator[Case]:
         ("trot", TROT, (flags, turned)),
         ("walk, one foot", WALK, (flags, on(turned, "back_left"))),
         ("walk, places in the base", WALK, (pose.feet_in_base, turned)),
+        ("fast trot, places in the base", replace(TROT, speed_mps=1.2),
+         (pose.feet_in_base, turned)),
     ):
         yield Case(f"inverted flags, {name}", walk, faults, "FLAGS_INVERTED", skip=NO_FORCE)
 

@@ -16,6 +16,7 @@ from dogbot_logtool.core.arrays import (
     norms,
     percentiles_of,
 )
+from dogbot_logtool.core.base.foot_path import MIDDLE
 from dogbot_logtool.core.base.ground import has_heading, usual_places
 from dogbot_logtool.core.base.leg_odometry import turns_and_up
 from dogbot_logtool.core.base.witness import (
@@ -214,7 +215,7 @@ def pose_jumps(walk: Walk) -> Iterator[Finding]:
 def contradicted(walk: Walk) -> Iterator[Finding]:
     """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
     windows = _windows(walk)
-    if not len(windows) or walk.ground is not None or walk.base_by_feet:
+    if not len(windows) or walk.ground is not None or walk.base_by_feet or rest_in_the_air(walk):
         return
     own, feet = motion_in(walk.poses, windows, walk.settings.forward_rad), _by_feet(walk, windows)
     way = feet if feet is not None and feet.tells_way else _by_twist(walk, windows, own)
@@ -236,6 +237,28 @@ def feet_agree(walk: Walk) -> bool:
     """Tell whether feet that stand, by their contacts, go back as the poses go ahead."""
     feet = _by_feet(walk, _windows(walk)) if walk.ground is None else None
     return feet is not None and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
+
+
+STAYS_M: Final = 0.03
+"""m that a base, or a foot, moves at most while it stands."""
+RESTS: Final = 0.2
+"""Share of its way in contact that a foot goes at most from there to the next, where contact is
+true in the air."""
+
+
+def rest_in_the_air(walk: Walk) -> bool:
+    """Tell whether most feet, by their places in the base's axes, rest but where they touch."""
+    resting = 0
+    for foot, path in zip(walk.feet, walk.corrected.places, strict=True):
+        begin, end = foot.stances.touchdown, foot.stances.liftoff
+        if path is not None and len(begin) > 1:
+            # Many messages tell a place in contact only.
+            inner = begin[:, None] + np.rint((end - begin)[:, None] * MIDDLE).astype(np.int64)
+            first, last = path.in_world(walk.poses).at(inner).transpose(1, 0, 2)
+            down = median_of_known(norms(last - first), axis=0)
+            up = median_of_known(norms(first[1:] - last[:-1]), axis=0)
+            resting += bool(down > STAYS_M and up < RESTS * down)
+    return 2 * resting > len(walk.feet)
 
 
 def _windows(walk: Walk) -> Ints:

@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.motion import down_spans
-from dogbot_logtool.core.checks.base import feet_agree
+from dogbot_logtool.core.checks.base import STAYS_M, feet_agree, rest_in_the_air
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
 from dogbot_logtool.core.sensors import HEAVILY_FILTERED
@@ -179,8 +179,6 @@ LEG_M, HEAVY_KG = 0.2, 20.0
 is assumed where none is known."""
 DANGLES_S: Final = 1.0
 """s without a foot on the ground; no gait flies for so long."""
-STAYS_M: Final = 0.03
-"""m that a base moves at most while it stands."""
 UNLIKE: Final = 0.3
 """By which the contact fraction of a foot differs from that of all others, if it is inverted."""
 ALIKE: Final = 0.08
@@ -216,6 +214,8 @@ def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
         return ""
     down = np.array(walk.support.feet_down)
     flight, mean = float(down[0]), float(down @ np.arange(len(down)))
+    if rest_in_the_air(walk):
+        return "the feet would travel on the ground, and rest in the air"
     if all_flags and len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
         return f"{mean:.1f} of {len(walk.feet)} feet would be down on average, without any flight"
     usual = float(median_of(np.array([foot.record.contact_fraction() for foot in walk.feet])))
@@ -223,7 +223,9 @@ def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
     speed = (walk.base.forward_speed_mps if walk.base else None) or 0.0
     leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
     walks = STANDS_FROUDE < speed**2 / (GRAVITY_MPS2 * leg_m) < WALKS_FROUDE
-    if is_short and walks and not feet_agree(walk):
+    # The other way round, a robot that has all feet down at times would fly then.
+    hops = float(down[-1]) > FLIES
+    if is_short and walks and not hops and not feet_agree(walk):
         return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
     at = _dangles(walk, walk.support.in_flight)
     if at is not None:
