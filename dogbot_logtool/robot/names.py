@@ -28,6 +28,7 @@ from dogbot_logtool.robot.words import (
     ENDS,
     LETTERS,
     MERITS,
+    NEUTRAL,
     ROWS,
     SIDES,
     Part,
@@ -156,18 +157,17 @@ def name_feet(
     is_best = len(clear) == 1 or (clear and clear[0].rank < clear[1].rank)
     chosen = clear[0] if is_best else None
     if contacts_only and len(names) == 1:
-        chosen = _lone_foot(*names.items())
+        ((topic, words),) = names.items()
+        chosen = _lone_foot(topic, words)
     return chosen, tuple(one for one in possible if one is not chosen)
 
 
-def _lone_foot(topic_and_words: tuple[str, Words]) -> FootSet | None:
+def _lone_foot(topic: str, words: Words) -> FootSet | None:
     """Return the one foot that tells of contacts, where its name says where it sits."""
-    topic, words = topic_and_words
     name = foot_name(topic)
     position = leg_position(name)
-    if position is None or not {Part.NOT_A_FOOT, Part.UPPER_LEG}.isdisjoint(
-        word.part for word in words
-    ):
+    parts = {word.part for word in words}
+    if position is None or parts & {Part.NOT_A_FOOT, Part.UPPER_LEG}:
         return None
     return FootSet((Foot(name, topic, leg_position=position),), "corners")
 
@@ -225,8 +225,10 @@ def _as_feet(
     topics = sorted(group, key=lambda topic: legs[topic].order)
     words, slots = group[topics[0]], legs[topics[0]].slots
     first = words[slots[0]].segment
-    # The segment before that of the leg describes it, too, as `/foot_sensors/` does.
-    near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - 1]
+    before = [word for word in words if word.segment == first - 1]
+    # A segment before the leg's describes it only if it says nothing else, as `/foot_sensors/`.
+    telling = all(word.part is not None or word.text in NEUTRAL | MERITS.keys() for word in before)
+    near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - telling]
     parts = [word.part for word in near if word.part is not None]
     part = Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN)
     if len(slots) > 1 and kind == "numbers":
