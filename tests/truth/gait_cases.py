@@ -10,7 +10,7 @@ from tests.truth.judging import Case, Tolerance
 from tests.truth.recording import Disturbance
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
-from tests.truth.walks import FORCE, SENSED, TROT
+from tests.truth.walks import FORCE, ROUGH, SENSED, TROT
 
 KINDS: tuple[tuple[str, tuple[Disturbance, ...]], ...] = (
     ("bumpers", ()),
@@ -47,6 +47,11 @@ def hildebrand() -> Iterator[Case]:
         for diagonality in (0.0, 0.25, 0.5, 0.75):
             gait = gaits.symmetrical(duty, diagonality)
             yield from _gait_and_mirror(f"duty {duty:g}, diagonality {diagonality:g}", gait)
+    for diagonality in (0.1, 0.4):
+        border = Walk(gait=gaits.symmetrical(0.62, diagonality), period_s=0.7, seconds=16.0)
+        yield Case(f"noise at the border of two classes, diagonality {diagonality:g}", border,
+                   (FORCE, sensor.noise(6.0)), "", "offset", ROUGH, rate_hz=100.0, events=(),
+                   classes=("pace", "walk", "trot"))
 
 
 def asymmetrical() -> Iterator[Case]:
