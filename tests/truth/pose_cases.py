@@ -70,6 +70,8 @@ def faults() -> Iterator[Case]:
         ("positions 30 degrees off", TROT, pose.positions_turned(quarter), "POSE_DIRECTION", SEEN),
         ("yaw 30 degrees off", TROT, pose.yaw_off(quarter), "POSE_DIRECTION", SEEN),
         ("yaw 30 degrees off, uphill", UPHILL, pose.yaw_off(quarter), "POSE_DIRECTION", SEEN),
+        ("yaw 180 degrees off, walk", WALK, pose.yaw_off(radians(180.0)), "POSE_DIRECTION",
+         (PLACES,)),
         ("yaw 15 degrees off, slow walk", SLOW, pose.yaw_off(radians(-15.0)), "POSE_DIRECTION",
          SEEN),
         ("yaw 28 degrees off, biped", BIPED, pose.yaw_off(-0.5), "POSE_DIRECTION", (POINTS,)),

@@ -102,9 +102,12 @@ class Footfalls(NamedTuple):
     """Position of a foot in each of its stances."""
 
     position: Floats
-    """(stances, 3) m, in the middle of the stance; NaN where not known."""
+    """(stances, 3) m, in the middle of the stance; NaN where not known. Also `first` and `last`, at
+    20 % and 80 % of it."""
+    first: Floats
+    last: Floats
     travel_m: Floats
-    """(stances,) m, distance between its positions at 20 % and 80 % of the stance."""
+    """(stances,) m, distance between these two."""
     slip_m: Floats
     """(stances,) m, the same on the ground only; also `largest_slip_m`, the furthest that it is
     in between from where it is at 20 %."""
@@ -123,6 +126,8 @@ def footfalls(path: FootPath, stances: Stances) -> Footfalls:
     flat = np.hypot(displacement[:, :, 0], displacement[:, :, 1])
     return Footfalls(
         position=position[:, len(steps) // 2],
+        first=position[:, 0],
+        last=position[:, -1],
         travel_m=np.sqrt((displacement[:, -1] ** 2).sum(axis=1)),
         slip_m=flat[:, -1],
         largest_slip_m=flat.max(axis=1, initial=0.0),

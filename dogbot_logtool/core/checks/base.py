@@ -16,7 +16,6 @@ from dogbot_logtool.core.arrays import (
     norms,
     percentiles_of,
 )
-from dogbot_logtool.core.base.foot_path import MIDDLE
 from dogbot_logtool.core.base.ground import has_heading, usual_places
 from dogbot_logtool.core.base.leg_odometry import turns_and_up
 from dogbot_logtool.core.base.witness import (
@@ -215,7 +214,10 @@ def pose_jumps(walk: Walk) -> Iterator[Finding]:
 def contradicted(walk: Walk) -> Iterator[Finding]:
     """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
     windows = _windows(walk)
-    if not len(windows) or walk.ground is not None or walk.base_by_feet or rest_in_the_air(walk):
+    if not len(windows) or walk.ground is not None or walk.base_by_feet:
+        return
+    if rest_in_the_air(walk):
+        # Contact is in doubt then, and not the poses.
         return
     own, feet = motion_in(walk.poses, windows, walk.settings.forward_rad), _by_feet(walk, windows)
     way = feet if feet is not None and feet.tells_way else _by_twist(walk, windows, own)
@@ -244,20 +246,26 @@ STAYS_M: Final = 0.03
 RESTS: Final = 0.2
 """Share of its way in contact that a foot goes at most from there to the next, where contact is
 true in the air."""
+HALF: Final = 0.5
+"""Duty factor of feet above which a stride is a walk's."""
 
 
 def rest_in_the_air(walk: Walk) -> bool:
-    """Tell whether most feet, by their places in the base's axes, rest but where they touch."""
+    """Tell whether most feet, by their places in the base's axes, rest but where flags are true.
+
+    Feet of poses that look backwards do so, too, but are down for more than half of the time.
+    """
+    if len(walk.frozen):
+        return False
     resting = 0
-    for foot, path in zip(walk.feet, walk.corrected.places, strict=True):
-        begin, end = foot.stances.touchdown, foot.stances.liftoff
-        if path is not None and len(begin) > 1:
-            # Many messages tell a place in contact only.
-            inner = begin[:, None] + np.rint((end - begin)[:, None] * MIDDLE).astype(np.int64)
-            first, last = path.in_world(walk.poses).at(inner).transpose(1, 0, 2)
-            down = median_of_known(norms(last - first), axis=0)
-            up = median_of_known(norms(first[1:] - last[:-1]), axis=0)
-            resting += bool(down > STAYS_M and up < RESTS * down)
+    for foot in walk.feet:
+        stood, down = foot.stood, foot.record.contact_fraction() or 0.0
+        if stood is None or foot.record.has_force or len(stood.first) < 2:
+            continue
+        if 0.0 < down < HALF:
+            travel_m = median_of_known(stood.travel_m, axis=0)
+            between_m = median_of_known(norms(stood.first[1:] - stood.last[:-1]), axis=0)
+            resting += bool(travel_m > STAYS_M and between_m < RESTS * travel_m)
     return 2 * resting > len(walk.feet)
 
 

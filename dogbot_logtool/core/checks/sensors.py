@@ -8,7 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.motion import down_spans
-from dogbot_logtool.core.checks.base import STAYS_M, feet_agree, rest_in_the_air
+from dogbot_logtool.core.checks.base import HALF, STAYS_M, feet_agree, rest_in_the_air
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
 from dogbot_logtool.core.sensors import HEAVILY_FILTERED
@@ -167,8 +167,6 @@ FEWEST_DOWN: Final = 1.2
 """Feet of four or more that must be down on average, unless the robot flies."""
 MOST_FLIGHT: Final = 0.02
 FLIES: Final = 0.05
-HALF: Final = 0.5
-"""Duty factor of feet above which a stride is a walk's."""
 SHORT: Final = 0.4
 """The same below which it is none, with or without flight."""
 STANDS_FROUDE: Final = 1e-3
@@ -210,12 +208,12 @@ def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
 
     Flags that are true for most of a stride would be less likely the other way round.
     """
+    if rest_in_the_air(walk):
+        return "the feet would travel on the ground, and rest in the air"
     if walk.support is None:
         return ""
     down = np.array(walk.support.feet_down)
     flight, mean = float(down[0]), float(down @ np.arange(len(down)))
-    if rest_in_the_air(walk):
-        return "the feet would travel on the ground, and rest in the air"
     if all_flags and len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
         return f"{mean:.1f} of {len(walk.feet)} feet would be down on average, without any flight"
     usual = float(median_of(np.array([foot.record.contact_fraction() for foot in walk.feet])))

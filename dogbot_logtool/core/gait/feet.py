@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of, rows_of_runs
-from dogbot_logtool.core.base.foot_path import FootPath, footfalls
+from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
 from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
@@ -65,6 +65,8 @@ class FootSteps(NamedTuple):
     """(stances,) which have lone spikes."""
     heading: Floats
     """(stances,) rad, of the base's forward axis in the middle of each stance; NaN: not known."""
+    stood: Footfalls | None
+    """Where it stands, by its places in the base's axes; None: its messages do not tell these."""
 
     @property
     def length_m(self) -> Floats:
@@ -129,7 +131,8 @@ def foot_steps(
         "propulsive_impulse_ns": propulsive,
     }
     travelled = stride_lengths(base, strides.touchdown, strides.end)
-    length, length_from = _own_lengths(record, path, ground, stances, strides), "points"
+    stood = None if path is None else footfalls(path, stances)
+    length, length_from = _own_lengths(record, stood, ground, stances, strides), "points"
     if not np.isfinite(length).any():
         # A stride in which the base hardly turns is as long for all of its feet.
         turn = base.angles_at(strides.end)[:, 2] - base.angles_at(strides.touchdown)[:, 2]
@@ -162,21 +165,22 @@ def foot_steps(
         contact_known=record.start is not None and not (is_dead or is_refuted),
         has_spikes=lone,
         heading=heading,
+        stood=stood,
     )
 
 
 def _own_lengths(
     record: FootHistory,
-    path: FootPath | None,
+    stood: Footfalls | None,
     ground: MovingGround | None,
     stances: Stances,
     strides: Strides,
 ) -> Floats:
     """(strides,) m, horizontal distances from each place where a foot stands to its next one."""
-    if path is None:
+    if stood is None:
         at, place = stance_places(record)
     else:
-        at, place = stances.middle, footfalls(path, stances).position
+        at, place = stances.middle, stood.position
     if ground is not None:
         place = place - ground.displacement_at(at)
     if not len(strides.stance):
