@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dogbot_logtool.robot.robot import Robot
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Measurement:
     """The walk of a log, and what was lost of the log."""
 
@@ -48,7 +48,7 @@ class StrideTable(NamedTuple):
     first message of use."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Figures:
     """The metrics of one log, small enough to send and store."""
 
@@ -64,7 +64,7 @@ class Figures:
     """All there is, if it was asked for."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TopicInfo:
     """One topic as one type and encoding."""
 
@@ -81,7 +81,7 @@ class TopicInfo:
     ``annotation``: `convert` added it."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LogInfo:
     """The contents of a log."""
 
@@ -111,7 +111,7 @@ class LogInfo:
     damage: Damage
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Conversion:
     """The result of `convert`."""
 
@@ -137,7 +137,7 @@ class Conversion:
     damage: Damage
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Page:
     """A page that was written."""
 

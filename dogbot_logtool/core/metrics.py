@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Final
 
-from dogbot_logtool.core.records import Count, Number, Numbers, Of, Shape, Spread, Text
+from dogbot_logtool.core.records import Count, Number, Numbers, Of, Record, Shape, Spread, Text
 
 SCHEMA_VERSION: Final = 3
 """Grows with every change of meaning."""
@@ -53,8 +53,8 @@ _PRESSED: Final = ("feet", "base", "points", "force", "vertical force", "all fee
 _SWUNG: Final = ("strides", "base", "foot frame")
 
 
-@dataclass(frozen=True, slots=True)
-class Log:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Log(Record):
     """What was read."""
 
     path: str
@@ -75,8 +75,8 @@ class Log:
     """Bytes that could not be read."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootSettings:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class FootSettings(Record):
     """How the contact of one foot was detected."""
 
     topic: Text
@@ -94,8 +94,8 @@ class FootSettings:
     """Source of the unloaded level: option, robot, estimated or default."""
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Settings(Record):
     """What decided the metrics."""
 
     robot: str
@@ -127,8 +127,8 @@ class Settings:
     """Settings of each foot."""
 
 
-@dataclass(frozen=True, slots=True)
-class Base:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Base(Record):
     """Motion of the base over a span. Poses are integrated, never twists."""
 
     duration_s: Annotated[Number, Of("s", "base")]
@@ -160,8 +160,8 @@ class Base:
     """v^2 / (g h) with the mean forward speed and the mean height (Alexander 1984)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Phase:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Phase(Record):
     """When a foot touches down in the stride of another, as a share of that stride."""
 
     mean: Annotated[Number, Of("cycles", "strides")]
@@ -173,8 +173,8 @@ class Phase:
     """The same mean against the left hind foot, as many papers have it."""
 
 
-@dataclass(frozen=True, slots=True)
-class LimbPhase:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LimbPhase(Record):
     """Hind against fore feet, a side."""
 
     left: Annotated[Number, Of("cycles", *_FOUR)]
@@ -183,8 +183,8 @@ class LimbPhase:
     """The same on the right."""
 
 
-@dataclass(frozen=True, slots=True)
-class SupportSet:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class SupportSet(Record):
     """Feet that stand together."""
 
     feet: tuple[str, ...]
@@ -193,8 +193,8 @@ class SupportSet:
     """Share of the time known to all feet."""
 
 
-@dataclass(frozen=True, slots=True)
-class Gait:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Gait(Record):
     """Coordination of the feet over a span."""
 
     name: Annotated[Text, Of("", *_PHASED)]
@@ -235,8 +235,8 @@ class Gait:
     """Phase of each foot against the reference foot."""
 
 
-@dataclass(frozen=True, slots=True)
-class Planned:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Planned(Record):
     """A foot's contacts against those planned."""
 
     delay_s: Annotated[Spread, Of("s", "plan")]
@@ -250,8 +250,8 @@ class Planned:
     """Share of the time in which planned and measured contact agree."""
 
 
-@dataclass(frozen=True, slots=True)
-class Foot:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Foot(Record):
     """One foot over a span."""
 
     contact_fraction: Annotated[Number, Of("", "contact")]
@@ -334,8 +334,8 @@ class Foot:
     """Force along the base's forward axis at mid-stance, likewise."""
 
 
-@dataclass(frozen=True, slots=True)
-class LoadShare:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LoadShare(Record):
     """Shares of the feet's vertical impulse over whole strides.
 
     Of the integral of |F| where the direction of the forces is not known.
@@ -349,8 +349,8 @@ class LoadShare:
     """Share of the left feet."""
 
 
-@dataclass(frozen=True, slots=True)
-class Symmetry:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Symmetry(Record):
     """Right against left of a pair of feet: 200 (R - L) / (R + L) (Robinson, Herzog, Nigg 1987)."""
 
     stance_s: Annotated[Number, Of("%", "strides", "leg positions")]
@@ -361,8 +361,8 @@ class Symmetry:
     """Of the mean peak forces."""
 
 
-@dataclass(frozen=True, slots=True)
-class Forces:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Forces(Record):
     """Loads of the whole robot over a span."""
 
     vertical_impulse_over_weight: Annotated[
@@ -376,8 +376,8 @@ class Forces:
     """Symmetry of the fore and the hind pair of a quadruped."""
 
 
-@dataclass(frozen=True, slots=True)
-class Stability:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Stability(Record):
     """Static stability over a span, at up to 100 Hz.
 
     The base's origin stands for the centre of mass unless com_offset_m is given.
@@ -403,8 +403,8 @@ class Stability:
     """The same to the left of the base's origin."""
 
 
-@dataclass(frozen=True, slots=True)
-class Segment:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Segment(Record):
     """Time in which the gait does not change."""
 
     start_s: Annotated[float, Of("s")]
@@ -418,7 +418,7 @@ class Segment:
     stability: Stability
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class GaitOfLog(Gait):
     """Coordination of the feet: that of the longest segment, and all segments."""
 
@@ -429,8 +429,8 @@ class GaitOfLog(Gait):
     stands."""
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Joint(Record):
     """One joint. rad, N m and W, or m and N where it slides."""
 
     foot: Text
@@ -452,8 +452,8 @@ class Joint:
     """Position over the gait cycle of its foot."""
 
 
-@dataclass(frozen=True, slots=True)
-class Legs:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Legs(Record):
     """Joints and their work."""
 
     absolute_work_j: Annotated[Spread, Of("J", "joints", "efforts", "strides")]
@@ -469,8 +469,8 @@ class Legs:
     """Right against left of the median range of motion in a stride, a pair of joints; 0: equal."""
 
 
-@dataclass(frozen=True, slots=True)
-class Tracking:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Tracking(Record):
     """A commanded velocity against that of the base."""
 
     commanded_mps: Annotated[Number, Of("m/s", "commands")]
@@ -483,8 +483,8 @@ class Tracking:
     """Root mean square of measured less commanded, both means over a stride."""
 
 
-@dataclass(frozen=True, slots=True)
-class Turning:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Turning(Record):
     """A commanded turn rate against that of the base."""
 
     commanded_radps: Annotated[Number, Of("rad/s", "commands")]
@@ -497,8 +497,8 @@ class Turning:
     """Root mean square of measured less commanded, both means over a stride."""
 
 
-@dataclass(frozen=True, slots=True)
-class Commands:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Commands(Record):
     """How well the robot follows its velocity commands."""
 
     topic: Annotated[Text, Of("", "commands")]
@@ -510,8 +510,8 @@ class Commands:
     yaw: Turning
 
 
-@dataclass(frozen=True, slots=True)
-class Imu:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Imu(Record):
     """The base's accelerometer as a witness of forces and poses."""
 
     topic: Annotated[Text, Of("", "imu")]
@@ -529,8 +529,8 @@ class Imu:
     read, over whole strides; 1: they agree."""
 
 
-@dataclass(frozen=True, slots=True)
-class Event:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Event(Record):
     """Something that happened at a time."""
 
     onset_s: Annotated[float, Of("s")]
@@ -550,8 +550,8 @@ class Event:
     """Finding that it belongs to; of a change of the gait both classes, `trot>walk`."""
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Finding(Record):
     """Something to know before relying on the metrics."""
 
     code: str
@@ -568,8 +568,8 @@ class Finding:
     """Patterns of the metrics that it sets to null."""
 
 
-@dataclass(frozen=True, slots=True)
-class TopicQuality:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class TopicQuality(Record):
     """Timing of a topic."""
 
     messages: int
@@ -593,8 +593,8 @@ class TopicQuality:
     """Millionths by which log time runs faster than the stamps."""
 
 
-@dataclass(frozen=True, slots=True)
-class FootQuality:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class FootQuality(Record):
     """Samples of one foot's sensor."""
 
     not_finite: int
@@ -615,8 +615,8 @@ class FootQuality:
     """Drift of the unloaded level along the direction of the load."""
 
 
-@dataclass(frozen=True, slots=True)
-class Check:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Check(Record):
     """A question that was asked of the recording."""
 
     name: str
@@ -627,8 +627,8 @@ class Check:
     """Why it failed or was not made."""
 
 
-@dataclass(frozen=True, slots=True)
-class Quality:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Quality(Record):
     """Can the recording be trusted?"""
 
     topics: dict[str, TopicQuality]
@@ -645,8 +645,8 @@ class Quality:
     """Each check and its outcome."""
 
 
-@dataclass(frozen=True, slots=True)
-class WalkMetrics:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class WalkMetrics(Record):
     """All that is known of a walk: `stats --json`."""
 
     schema_version: int
@@ -669,8 +669,8 @@ class WalkMetrics:
     Segments have only those that the whole log does not have."""
 
 
-@dataclass(frozen=True, slots=True)
-class Stride:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Stride(Record):
     """A whole stride of a foot: a row of `export --table strides`."""
 
     start_s: Annotated[float, Of("s")]

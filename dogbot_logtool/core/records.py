@@ -1,7 +1,7 @@
 """Records whose fields describe themselves: JSON, paths, and setting to null.
 
-    @dataclass(frozen=True, slots=True)
-    class Foot:
+    @dataclass(frozen=True, slots=True, eq=False, repr=False)
+    class Foot(Record):
         swing_s: Annotated[Spread, Of("s", "contact", "strides")]
         \"\"\"Lift-off to touchdown.\"\"\"
 
@@ -32,7 +32,28 @@ class Of:
         self.needs: Final = needs
 
 
-@dataclass(frozen=True, slots=True)
+class Record:
+    """A record of metrics, which can be printed and compared.
+
+    Here once: made for each of thirty data classes these methods are 3 % of a short log's time.
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{each.name}={getattr(self, each.name)!r}" for each in fields(self))  # type: ignore[arg-type]
+        return f"{type(self).__name__}({values})"
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and all(
+            getattr(self, each.name) == getattr(other, each.name)
+            for each in fields(self)  # type: ignore[arg-type]
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Curve:
     """Quartiles over the gait cycle, touchdown to the next touchdown."""
 

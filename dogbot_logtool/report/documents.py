@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass, replace
 from typing import Any, Final, NamedTuple
-from xml.etree import ElementTree as ET
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.definitions import definitions
@@ -201,6 +200,8 @@ def junit_xml(name: str, suites: Mapping[str, tuple[str, Sequence[Case]]]) -> by
         name: of the whole.
         suites: by name the class of their cases, and these.
     """
+    from xml.etree import ElementTree as ET  # noqa: PLC0415 - most commands need none
+
     every = [case for _, cases in suites.values() for case in cases]
     root = ET.Element("testsuites", {"name": name, **_counts(every)})
     for suite_name, (class_name, cases) in suites.items():

@@ -1,6 +1,5 @@
 """Tables of metrics: how numbers are written, which column shows what; strides; tables as files."""
 
-import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -62,7 +61,7 @@ S = TypeVar("S")
 
 
 # Without slots, which `Column[...](...)` cannot be called with before Python 3.12.
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Column(Generic[S]):
     """A column of a table."""
 
@@ -212,6 +211,8 @@ class TableFile:
             self._writer = self._opened(rows.schema) if is_first else self._writer
             self._writer.write_table(rows)
             return
+        import csv  # noqa: PLC0415 - most commands write no table
+
         text = io.StringIO()
         self._writer = csv.writer(text, lineterminator="\n")
         if is_first:
