@@ -14,7 +14,6 @@ from dogbot_logtool.core.arrays import (
     Floats,
     Ints,
     all_finite,
-    median_of,
     norms,
     quantiles,
     runs_of,
@@ -22,7 +21,7 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.modes import ALTERNATE, CONSTANT, NOISY, WIDE
+from dogbot_logtool.core.corrections.modes import CONSTANT
 from dogbot_logtool.core.corrections.sensor import (
     ANY_FORCE_N,
     DEBOUNCE_S,
@@ -32,7 +31,6 @@ from dogbot_logtool.core.corrections.sensor import (
     Thresholds,
     estimate_level,
     load_axis,
-    refuted_level,
     without_spikes,
     zero_level,
 )
@@ -78,7 +76,7 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     estimated = weight_of_levels(levels) if weight is None else None
     # A robot that stands in a simulator without noise has no force that varies.
     some_vary = any(
-        level.reason != CONSTANT and (level.refuted or level.loaded_n) for level in levels
+        level.reason != CONSTANT and (level.hides_contact or level.loaded_n) for level in levels
     )
     found = []
     for foot, level, samples in zip(settings.feet, levels, feet, strict=True):
@@ -104,28 +102,26 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
     """
     time, force = samples.log_time, samples.force
     if foot.offset_n is None:
-        zero = SensorLevel(zero_in_swing=True)
-        if foot.silent_in_swing:
-            # Its samples are those in contact only, and their mean is no mean over strides.
-            pressed = force[all_finite(force)]
-            level = zero_level(np.concatenate([np.zeros((len(pressed) + 3, 3)), pressed]))
-            return replace(level or zero, mean_n=None)
         if not foot.has_force:
-            return zero
+            return SensorLevel(zero_in_swing=True)
+        if foot.lists_contacts or foot.silent_in_swing:
+            level = zero_level(force[all_finite(force)])
+            # Samples of contact only have no mean over strides.
+            return replace(level, mean_n=None) if foot.silent_in_swing else level
         level = estimate_level(time, force)
-        if foot.lists_contacts and not level.zero_in_swing and level.mean_n is not None:
-            # A foot that is down throughout: its messages would say if it were not.
-            magnitude = norms(force)
-            mean = float(median_of(magnitude[np.isfinite(magnitude)]))
-            return replace(zero, loaded_n=mean, mean_n=mean)
         if level.zero_in_swing or (takes and level.reason):
             return level
         if takes:
-            return level if _is_steady(level, time, force) else refuted_level(STEPS)
+            return level if _is_steady(level, time, force) else refuted(STEPS)
     offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
     rest = estimate_level(time, force - offset)
     knots = np.zeros(1, np.int64)
     return replace(rest, knots=knots, offset=offset, origin=foot.offset_from, reason="")
+
+
+def refuted(why: str) -> SensorLevel:
+    """Return what is left of a level that cannot be right."""
+    return SensorLevel(reason=why, hides_contact=True)
 
 
 def _without_forces(samples: Samples) -> bool:
@@ -182,7 +178,7 @@ def fitting_levels(levels: Levels, weight_n: float) -> Levels:
         return levels
     worsens = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
     return tuple(
-        refuted_level(worsens)
+        refuted(worsens)
         if level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
         else level
         for level in levels
@@ -236,8 +232,6 @@ ON_TO_OFF: Final = 0.8
 """Contact then ends at the furthest itself, or at this share of `on` at most."""
 MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
-STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
-"""Reasons of an unknown level with which a load that comes and goes is no sure contact."""
 HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides contact"
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
@@ -279,24 +273,17 @@ def contact_rule(
         brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
         debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
-        unusable="" if given.on_n else _why_unusable(level, on, off),
+        unusable="" if given.on_n else _why_unusable(level, on),
     )
 
 
-def _why_unusable(level: SensorLevel, on_n: float, off_n: float) -> str:
-    """Say why a sensor cannot tell contact with some thresholds, N; empty where it can."""
-    if level.refuted:
-        return level.reason
-    loaded, lightest = level.loaded_n, level.lightest_n
-    if loaded is None:
-        return ""
-    if on_n > MOST_OF_LOAD * loaded:
+def _why_unusable(level: SensorLevel, on_n: float) -> str:
+    """Say why a sensor cannot tell contact with some threshold, N; empty where it can."""
+    if level.hides_contact:
+        return f"what it reads without load is not known: {level.reason}"
+    if on_n > MOST_OF_LOAD * (level.loaded_n or np.inf):
         return (
-            f"contact would need {on_n:.3g} N, more than half of the {loaded:.3g} N that "
+            f"contact would need {on_n:.3g} N, more than half of the {level.loaded_n:.3g} N that "
             "the foot usually carries"
-        )
-    if level.reason in STEPS_UNCLEAR and lightest is not None and lightest < off_n:
-        return (
-            f"its load comes and goes, but what it reads without load is not known: {level.reason}"
         )
     return ""

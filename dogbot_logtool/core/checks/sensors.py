@@ -40,7 +40,7 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
-            if level.reason != why:
+            if not level.hides_contact:
                 say = "unknown"
                 yield found("SENSOR_OFFSET", say=say, where=where, foot=name, why=level.reason)
             continue

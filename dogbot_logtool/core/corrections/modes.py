@@ -36,8 +36,6 @@ WIDE: Final = "no narrow unloaded mode: the foot may never be off the ground"
 """Reason of a level that is not known since the forces of swing differ by much."""
 ONCE: Final = "the foot is seen unloaded fewer than twice"
 """Reason of a level that is not known since no second swing confirms it."""
-NOISY: Final = "swing and stance differ by little more than the noise"
-"""Reason of a level that is not known since both modes are as wide as they are apart."""
 _CUT_OFF: Final = 0.2
 """Part of a visit at either end that is on the way between the modes, and not used."""
 MIDDLE_SHARE: Final = 1.0 - 2.0 * _CUT_OFF

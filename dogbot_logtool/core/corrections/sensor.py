@@ -19,16 +19,18 @@ from dogbot_logtool.core.arrays import (
     all_finite,
     distinct,
     flagged_runs,
+    interpolated,
     median_of,
     median_of_known,
     norms,
     percentiles_of,
 )
 from dogbot_logtool.core.corrections.modes import (
+    ALTERNATE,
     MIDDLE_SHARE,
-    NOISY,
     ONCE,
     PLAIN_OFFSET,
+    WIDE,
     Modes,
     both_ways,
     strays,
@@ -40,14 +42,16 @@ Origin = Literal["option", "robot", "estimated", "default"]
 """The origin of a setting."""
 
 FEWEST_SAMPLES: Final = 20
-CLEAR_OF_NOISE: Final = 5.0
-"""Least distance between both modes, in standard deviations of the noise."""
 DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
 CLEAR: Final = 3.0
 """Lead in score from which it is told which way a load turns what a sensor reads."""
 SURE: Final = 6.0
 """Lead from which that is certain, whatever the weight says."""
+STEPS_UNCLEAR: Final = frozenset({ALTERNATE, WIDE})
+"""Reasons of an unknown level with which a load that comes and goes is no sure contact."""
+LIGHTEST: Final = 0.08
+"""Share of the usual load below which the lightest samples may be those of swing."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
 AROUND: Final = 9
 """Swings around each moment whose median is the level."""
@@ -61,15 +65,10 @@ _FEWEST_FOR_DRIFT: Final = 8
 _NORMAL_SD: Final = 1.4826
 """Standard deviation over median absolute deviation, of a normal distribution."""
 
-IN_RUNS: Final = 0.25
-"""Share of the zeros that stand in runs of three and more in a sensor that reads zero in swing;
-messages that are lost here and there make single zeros."""
-LIGHT: Final = 0.05
-"""Share of the usual load below which a sample counts as light."""
+LIGHT: Final = 0.35
+"""Share of the usual load below which a sample may be one of swing."""
 PULL: Final = 0.02
 """Share of the usual load by which no ground can pull at a foot."""
-LIGHTLY: Final = 0.35
-"""Times the usual load: a reading in swing stays below."""
 PULLS: Final = 0.1
 """Share of the zeros from which so many such pulls make a sensor that does not rest at zero."""
 
@@ -118,13 +117,10 @@ class SensorLevel:
     """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
-    lightest_n: float | None = None
-    """N, magnitude that the lightest samples stay below; only where the level is not known."""
     lead: float = 0.0
     """How much better swing and stance fit than if load changed readings the other way."""
-    refuted: bool = False
-    """Whether nothing is known although swings and stances are seen; zero cannot be assumed
-    either."""
+    hides_contact: bool = False
+    """Whether zero cannot be assumed where the level is not known, since load comes and goes."""
 
     @property
     def offset_n(self) -> Floats:
@@ -133,11 +129,7 @@ class SensorLevel:
 
     def offset_at(self, log_time: Ints) -> Floats:
         """Return the offset at some log times, ns, (n,); (n, 3) N."""
-        if len(self.knots) == 1:
-            return np.broadcast_to(self.offset[0], (len(log_time), 3))
-        since = (log_time - self.knots[0]).astype(np.float64)
-        knots = (self.knots - self.knots[0]).astype(np.float64)
-        return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
+        return interpolated(log_time, self.knots, self.offset)
 
 
 ANY_FORCE_N: Final = 1e-9
@@ -185,8 +177,8 @@ def estimate_level(
     """
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
-    if len(force) and (zero := zero_level(force)):
-        return zero
+    if _rests_at_zero(force):
+        return zero_level(force)
     if len(force) < FEWEST_SAMPLES:
         return _unknown("too few samples", force)
     axis = load_axis(force)
@@ -194,32 +186,24 @@ def estimate_level(
     first, second = sorted(both, key=lambda modes: modes.fit, reverse=True)
     lead = first.fit - second.fit
     if not first.reason and lead >= CLEAR:
-        level = level_of(first, log_time, force, axis)
-        is_noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
-        return _unknown(NOISY, force) if is_noisy else replace(level, lead=lead)
+        return replace(level_of(first, log_time, force, axis), lead=lead)
     for modes in (first, second):
         if modes.reason == ONCE:
             # The one swing tells how far the unloaded sensor strays.
             wobble_n = level_of(modes, log_time, force, axis).wobble_n
             return replace(_unknown(ONCE, force), wobble_n=wobble_n)
-    is_unclear = first.reason and second.reason
-    return _unknown(first.reason, force) if is_unclear else refuted_level(TURNED)
+    if first.reason and second.reason:
+        return _unknown(first.reason, force)
+    return SensorLevel(reason=TURNED, hides_contact=True)
 
 
-def refuted_level(why: str) -> SensorLevel:
-    """Return what is left of a level that cannot be right."""
-    return SensorLevel(reason=why, refuted=True)
-
-
-def zero_level(force: Floats) -> SensorLevel | None:
-    """Return the level of a sensor that reads exactly zero in swing; None: it does not.
+def zero_level(force: Floats) -> SensorLevel:
+    """Return the level of a sensor that reads exactly zero, or lists no contact, in swing.
 
     Args:
         force: (n, 3) N, finite.
     """
     magnitude = norms(force)
-    if not _rests_at_zero(force, magnitude):
-        return None
     loaded = float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None
     return SensorLevel(
         zero_in_swing=True,
@@ -227,42 +211,34 @@ def zero_level(force: Floats) -> SensorLevel | None:
         drift_n_per_min=0.0,
         loaded_n=loaded,
         limit_n=_limit_n(force, np.zeros(3), loaded) if loaded else None,
-        mean_n=float(magnitude.mean()),
+        mean_n=float(magnitude.mean()) if len(magnitude) else None,
         origin="estimated",
     )
 
 
-def _rests_at_zero(force: Floats, magnitude: Floats) -> bool:
-    """Tell whether a sensor reads exactly zero where its load is light.
+def _rests_at_zero(force: Floats) -> bool:
+    """Tell whether a sensor reads exactly zero in most of its swings.
+
+    One that has died does so once, and one that sticks until its first stance.
 
     Args:
         force: (n, 3) N, finite.
-        magnitude: (n,) N.
     """
+    magnitude = norms(force)
     zero = magnitude == 0.0
-    if _in_runs(zero).sum() <= IN_RUNS * zero.sum():
-        return False
     if zero.all():
-        return True
+        return len(zero) > 0
     usual = median_of(magnitude[~zero])
     light = magnitude < LIGHT * usual
     # One that counts in steps may also read less than nothing. Full loads the other way are those
     # of a sensor that turns with its link.
     load = force @ force.mean(axis=0)
-    pulled = (load < -PULL * median_of(load[~zero])) & (magnitude < LIGHTLY * usual)
-    if 2 * zero.sum() < light.sum() or pulled.sum() > PULLS * zero.sum():
+    pulled = (load < -PULL * median_of(load[~zero])) & light
+    if pulled.sum() > PULLS * zero.sum():
         return False
-    # A sensor that has died reads zero in one visit.
     visit = np.cumsum(light & ~np.concatenate([[False], light[:-1]]))
-    at_zero, visits = (
-        np.count_nonzero(np.bincount(visit[_in_runs(each)])) for each in (zero, light)
-    )
-    if at_zero == visits == 1:
-        # Loads with a clear swing mode of their own are those of a sensor that sticks or creeps.
-        loads = magnitude[~zero]
-        if not both_ways(loads, np.zeros(len(loads), np.int64))[0].reason:
-            return False
-    return bool(2 * at_zero >= visits)
+    at_zero, visits = (len(distinct(visit[_in_runs(each)])) for each in (zero, light))
+    return 0 < visits <= 2 * at_zero
 
 
 def _in_runs(flags: Flags) -> Flags:
@@ -279,12 +255,13 @@ def _unknown(reason: str, force: Floats) -> SensorLevel:
     if not len(force):
         return SensorLevel(reason=reason)
     usual = float(percentiles_of(norms(force), 75.0))
-    level = SensorLevel(loaded_n=usual, mean_n=usual, reason=reason)
+    level = SensorLevel(loaded_n=usual, reason=reason)
     if len(force) < FEWEST_SAMPLES:
         return level
-    lightest = float(percentiles_of(without_spikes(norms(force)), 3.0))
     noise = _noisiest_sd(np.diff(force, axis=0)) / np.sqrt(2.0)
-    return replace(level, noise_n=noise, lightest_n=lightest)
+    lightest = float(percentiles_of(without_spikes(norms(force)), 3.0))
+    comes_and_goes = lightest < max(LIGHTEST * usual, 3.0 * noise)
+    return replace(level, noise_n=noise, hides_contact=comes_and_goes and reason in STEPS_UNCLEAR)
 
 
 def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
