@@ -11,46 +11,30 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import (
-    Floats,
-    Ints,
     all_finite,
     norms,
-    quantiles,
-    runs_of,
-    sorted_runs,
 )
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.modes import CONSTANT
 from dogbot_logtool.core.corrections.sensor import (
-    ANY_FORCE_N,
-    DEBOUNCE_S,
+    CONSTANT,
     SURE,
-    ContactRule,
     SensorLevel,
-    Thresholds,
     estimate_level,
-    load_axis,
-    without_spikes,
+    refuted,
     zero_level,
 )
-from dogbot_logtool.core.settings import FootSettings, WalkSettings
+from dogbot_logtool.core.settings import (
+    ANY_FORCE_N,
+    DEBOUNCE_S,
+    ContactRule,
+    FootSettings,
+    Thresholds,
+    WalkSettings,
+)
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""
-MOVED: Final = 0.1
-"""Share of the usual load by which a level that was not re-zeroed may change from swing to swing,
-and by which the lightest loads of a few strides may lie off it."""
-MOVED_NOISES: Final = 5.0
-"""The same in standard deviations of the noise."""
-_STRIDES: Final = 4.0
-"""Strides of which the lightest loads are compared with the level."""
-_SWINGS_A_STRIDE: Final = 3.0
-"""Strides last about so many swings."""
-_LOW, _HIGH = 0.08, 0.92
-"""Quantiles of such strides that are those of swing and of stance."""
-STEPS: Final = "what it reads without load steps or strays in the log, as where it was re-zeroed"
-
 Levels = tuple[SensorLevel, ...]
 
 
@@ -109,19 +93,13 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
             # Samples of contact only have no mean over strides.
             return replace(level, mean_n=None) if foot.silent_in_swing else level
         level = estimate_level(time, force)
-        if level.zero_in_swing or (takes and level.reason):
+        if takes or level.zero_in_swing:
             return level
-        if takes:
-            return level if _is_steady(level, time, force) else refuted(STEPS)
     offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
     rest = estimate_level(time, force - offset)
     knots = np.zeros(1, np.int64)
-    return replace(rest, knots=knots, offset=offset, origin=foot.offset_from, reason="")
-
-
-def refuted(why: str) -> SensorLevel:
-    """Return what is left of a level that cannot be right."""
-    return SensorLevel(reason=why, hides_contact=True)
+    known = replace(rest, reason="", hides_contact=False)
+    return replace(known, knots=knots, offset=offset, origin=foot.offset_from)
 
 
 def _without_forces(samples: Samples) -> bool:
@@ -168,13 +146,8 @@ def fitting_levels(levels: Levels, weight_n: float) -> Levels:
     Where swings and stances are beyond doubt, so are the offsets: the mass is wrong then.
     """
     total = weight_of_levels(levels)
-    if total is None:
-        return levels
-    miss, recorded_miss = (abs(n / weight_n - 1.0) for n in (total, _recorded_n(levels)))
-    if miss <= min(recorded_miss + WORSE, 2.0 * WORSE):
-        return levels
-    if total < weight_n and any(level.limit_n is not None for level in levels):
-        # What a sensor cuts off is missing.
+    recorded = sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
+    if total is None or abs(total / weight_n - 1.0) <= abs(recorded / weight_n - 1.0) + WORSE:
         return levels
     worsens = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
     return tuple(
@@ -183,36 +156,6 @@ def fitting_levels(levels: Levels, weight_n: float) -> Levels:
         else level
         for level in levels
     )
-
-
-def _recorded_n(levels: Levels) -> float:
-    """Return the sum of the feet's mean loads with the offsets left in, N."""
-    return sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
-
-
-def _is_steady(level: SensorLevel, log_time: Ints, force: Floats) -> bool:
-    """Tell whether a level makes no step, and the lightest loads lie at it throughout.
-
-    Args:
-        level: of the sensor, known.
-        log_time: (n,) ns.
-        force: (n, 3) N, as recorded.
-    """
-    loaded, known = level.loaded_n or 0.0, all_finite(force)
-    limit = max(MOVED * loaded, MOVED_NOISES * (level.noise_n or 0.0), level.wobble_n)
-    if (norms(np.diff(level.offset, axis=0)) > limit).any():
-        return False
-    log_time, force = log_time[known], force[known] - level.offset_at(log_time[known])
-    load = without_spikes(force @ load_axis(force))
-    window_ns = max(round(_STRIDES * _SWINGS_A_STRIDE * (level.swing_s or 0.0) * 1e9), 1)
-    window, of_swings = ((time - log_time[0]) // window_ns for time in (log_time, level.knots))
-    first, count = runs_of(window)
-    ordered = sorted_runs(load, first)
-    low, high = (quantiles(ordered, first, first + count, share) for share in (_LOW, _HIGH))
-    strays = np.minimum(np.abs(low), np.abs(high)) > limit
-    # The log's end may cut the last ones.
-    unseen = ~np.isin(window[first], of_swings) & (window[first] < window[-1])
-    return not ((strays | unseen) & (high - low > limit + loaded / 2.0)).any()
 
 
 ZERO_ON: Final = 0.05

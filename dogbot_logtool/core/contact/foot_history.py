@@ -37,7 +37,7 @@ from dogbot_logtool.core.contact.stances import (
     stance_figures,
 )
 from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
-from dogbot_logtool.core.corrections.sensor import ContactRule
+from dogbot_logtool.core.settings import ContactRule
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
