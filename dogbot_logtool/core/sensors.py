@@ -10,10 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    all_finite,
-    norms,
-)
+from dogbot_logtool.core.arrays import Floats, all_finite, distinct, flagged_runs, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.sensor import (
@@ -66,12 +63,9 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     for foot, level, samples in zip(settings.feet, levels, feet, strict=True):
         interval_s = usual_interval_s(samples.log_time)
         rule = contact_rule(level, weight or estimated, settings.thresholds, interval_s)
-        if foot.has_flags:
-            rule = rule._replace(by_flag=True, unusable="")
-        elif some_vary and level.reason == CONSTANT and level.loaded_n:
-            rule = rule._replace(unusable="its sensor reads one constant force while others vary")
-        if foot.low_pass and not foot.low_pass.resolved:
-            rule = rule._replace(unusable=HEAVILY_FILTERED)
+        why = _why_unusable(foot, level, rule, some_vary=some_vary)
+        rule = rule._replace(by_flag=foot.has_flags, unusable=why)
+        level = replace(level, limit_n=_limit_n(samples.force, level))  # noqa: PLW2901
         found.append(foot._replace(level=level, rule=rule))
     return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
 
@@ -216,17 +210,66 @@ def contact_rule(
         brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
         debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
-        unusable="" if given.on_n else _why_unusable(level, on),
     )
 
 
-def _why_unusable(level: SensorLevel, on_n: float) -> str:
-    """Say why a sensor cannot tell contact with some threshold, N; empty where it can."""
+def _why_unusable(
+    foot: FootSettings, level: SensorLevel, rule: ContactRule, *, some_vary: bool
+) -> str:
+    """Say why a sensor cannot tell contact; empty where it can."""
+    if foot.low_pass and not foot.low_pass.resolved:
+        return HEAVILY_FILTERED
+    if some_vary and level.reason == CONSTANT and level.loaded_n and not foot.has_flags:
+        return "its sensor reads one constant force while others vary"
+    if foot.has_flags or rule.origin in {"option", "robot"}:
+        return ""
     if level.hides_contact:
         return f"what it reads without load is not known: {level.reason}"
-    if on_n > MOST_OF_LOAD * (level.loaded_n or np.inf):
+    if rule.on_n > MOST_OF_LOAD * (level.loaded_n or np.inf):
         return (
-            f"contact would need {on_n:.3g} N, more than half of the {level.loaded_n:.3g} N that "
-            "the foot usually carries"
+            f"contact would need {rule.on_n:.3g} N, more than half of the {level.loaded_n:.3g} N "
+            "that the foot usually carries"
         )
     return ""
+
+
+SATURATED_SAMPLES: Final = 3
+"""Samples in a row at the very same highest force that make a flat top."""
+STEEP: Final = 10.0
+"""Steps of the sensor's resolution beyond which the rise to its limit is steep. The round top of a
+force that is recorded in steps is flat for m samples and at most 8 steps lower m samples before."""
+SATURATED_STANCES: Final = 3
+"""Stances with the same flat top that make a saturated sensor."""
+FAR_FROM_SWING: Final = 0.5
+"""Share of the usual load that a limit is from the unloaded level; else it is that of swing."""
+
+
+def _limit_n(force: Floats, level: SensorLevel) -> float | None:
+    """Return the value at which an axis of a sensor is cut off, N; None: none is.
+
+    Args:
+        force: (n, 3) N, as recorded.
+        level: of the sensor.
+    """
+    force = force[all_finite(force)]
+    if level.reason or level.loaded_n is None or not len(force):
+        return None
+    for axis, sign in ((axis, sign) for axis in range(3) for sign in (1.0, -1.0)):
+        values = sign * force[:, axis]
+        limit = float(values.max())
+        is_far = limit - sign * level.offset_n[axis] > FAR_FROM_SWING * level.loaded_n
+        if is_far and _flat_tops(values, limit) >= SATURATED_STANCES:
+            return sign * limit
+    return None
+
+
+def _flat_tops(values: Floats, limit: float) -> int:
+    """Return how often values rise steeply to a limit, and stay there."""
+    tops = flagged_runs(values == limit)
+    start, length = tops[:, 0], tops[:, 1] - tops[:, 0]
+    flat = length >= SATURATED_SAMPLES
+    if flat.sum() < SATURATED_STANCES:
+        return 0
+    start, length = start[flat], length[flat]
+    rise = limit - values[np.maximum(start - length, 0)]
+    return int((rise > STEEP * np.diff(distinct(values)).min()).sum())

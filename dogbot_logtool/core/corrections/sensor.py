@@ -20,7 +20,6 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     distinct,
-    flagged_runs,
     interpolated,
     latched,
     median_of,
@@ -103,17 +102,6 @@ _SWINGS_A_STRIDE: Final = 3.0
 _LOW, _HIGH = 0.08, 0.92
 """Quantiles of such strides that are those of swing and of stance."""
 STEPS: Final = "what it reads without load steps or strays in the log, as where it was re-zeroed"
-
-SATURATED_SAMPLES: Final = 3
-"""Samples in a row at the very same highest force that make a flat top."""
-STEEP: Final = 10.0
-"""Steps of the sensor's resolution beyond which the rise to its limit is steep. The round top of a
-force that is recorded in steps is flat for m samples and at most 8 steps lower m samples before."""
-SATURATED_STANCES: Final = 3
-"""Stances with the same flat top that make a saturated sensor."""
-FAR_FROM_SWING: Final = 0.5
-"""Share of the usual load that a limit is from the unloaded level; else it is that of swing."""
-
 
 Origin = Literal["option", "robot", "estimated", "default"]
 """The origin of a setting."""
@@ -234,16 +222,15 @@ def zero_level(force: Floats) -> SensorLevel:
         force: (n, 3) N, finite.
     """
     magnitude = norms(force)
-    loaded = float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None
-    return SensorLevel(
+    level = SensorLevel(
         zero_in_swing=True,
-        noise_n=0.0,
-        drift_n_per_min=0.0,
-        loaded_n=loaded,
-        limit_n=_limit_n(force, np.zeros(3), loaded) if loaded else None,
+        loaded_n=float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None,
         mean_n=float(magnitude.mean()) if len(magnitude) else None,
-        origin="estimated",
     )
+    if magnitude.all():
+        # The foot is never seen in the air.
+        return level
+    return replace(level, noise_n=0.0, drift_n_per_min=0.0, origin="estimated")
 
 
 def _rests_at_zero(force: Floats) -> bool:
@@ -356,7 +343,6 @@ def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> Senso
         loaded_n=loaded,
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
-        limit_n=_limit_n(force, level.offset_n, loaded),
         drops_out=int(lost.sum()) >= DROPOUTS,
     )
 
@@ -400,35 +386,6 @@ def _rolling_median(values: Floats, width: int) -> Floats:
 def _noisiest_sd(residual: Floats) -> float:
     """Return the standard deviation of the noisiest component, N, of (m, 3) N; robust."""
     return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
-
-
-def _limit_n(force: Floats, offset_n: Floats, loaded_n: float) -> float | None:
-    """Return the value at which an axis of a sensor is cut off, N; None: none is.
-
-    Args:
-        force: (n, 3) N, as recorded.
-        offset_n: (3,) N, what the sensor reads without load.
-        loaded_n: N, the usual load.
-    """
-    for axis, sign in ((axis, sign) for axis in range(3) for sign in (1.0, -1.0)):
-        values = sign * force[:, axis]
-        limit = float(values.max())
-        is_far = limit - sign * offset_n[axis] > FAR_FROM_SWING * loaded_n
-        if is_far and _flat_tops(values, limit) >= SATURATED_STANCES:
-            return sign * limit
-    return None
-
-
-def _flat_tops(values: Floats, limit: float) -> int:
-    """Return how often values rise steeply to a limit, and stay there."""
-    tops = flagged_runs(values == limit)
-    start, length = tops[:, 0], tops[:, 1] - tops[:, 0]
-    flat = length >= SATURATED_SAMPLES
-    if flat.sum() < SATURATED_STANCES:
-        return 0
-    start, length = start[flat], length[flat]
-    rise = limit - values[np.maximum(start - length, 0)]
-    return int((rise > STEEP * np.diff(distinct(values)).min()).sum())
 
 
 def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
