@@ -16,6 +16,7 @@ from dogbot_logtool.core.arrays import (
     median_of,
     percentiles_of,
 )
+from dogbot_logtool.core.base.foot_path import Footfalls
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -45,7 +46,8 @@ class BaseTrack(NamedTuple):
     """Poses without jumps."""
     height_m: Floats
     """(n,) over the feet, at each pose; NaN where not known."""
-    feet: Sequence[FootHistory]
+    stood: Sequence[Footfalls]
+    """Where the feet stand."""
     standing: Ints
     """(s, 2) ns, time in which the robot stands."""
     travels: Ints
@@ -73,7 +75,7 @@ class BaseTrack(NamedTuple):
 
 
 def base_track(
-    base: BaseHistory, height_m: Floats, feet: Sequence[FootHistory], standing: Ints
+    base: BaseHistory, height_m: Floats, stood: Sequence[Footfalls], standing: Ints
 ) -> BaseTrack:
     """Find when the base goes somewhere, and how many poses make a point of its path.
 
@@ -89,7 +91,7 @@ def base_track(
         size = (2.0 * noise_m**2 / (_NEGLIGIBLE * step_m**2)) ** (1.0 / 3.0)
         block = int(np.clip(np.ceil(size), 1, max(1.0, _LONGEST_BLOCK_NS / interval_ns)))
     travels = timespans.intersect([timespans.merge(away), base.known])
-    return BaseTrack(base, height_m, feet, standing, travels, block)
+    return BaseTrack(base, height_m, stood, standing, travels, block)
 
 
 def _away_spans(base: BaseHistory) -> Ints:
@@ -148,7 +150,7 @@ def base_motion(
         yaw_rate_radps=yaw_rate,
         height_m=height,
         climb_m=float(net[2]),
-        slope_rad=slope_rad(track.feet, within),
+        slope_rad=slope_rad(track.stood, within),
         roll_rad=aggregate(roll),
         pitch_rad=aggregate(pitch),
         froude=froude_number(forward_speed, height.mean if height else None),

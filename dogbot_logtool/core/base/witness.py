@@ -24,10 +24,10 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     norms,
 )
-from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
+from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath, contact_path, footfalls
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
@@ -128,23 +128,18 @@ def by_points(
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     """Return when and where a foot rests: once a stance, twice in a stance that is long."""
-    time, place = stance_places(foot)
-    stances, known = foot.stances, all_finite(place)
-    if not known.any():
-        return time[known], place[known]
-    duration = stances.liftoff - stances.touchdown
-    usual = int(median_of(duration[stances.whole] if stances.whole.any() else duration))
-    # A stance that the log's start or end cuts is taken to be as long as others.
-    brief = duration < usual
-    begun, left = (brief & (stances.cut == cut) for cut in (Cut.LOG_START, Cut.LOG_END))
-    time[begun] = stances.liftoff[begun] - usual // 2
-    time[left] = stances.touchdown[left] + usual // 2
-    time, place, duration = time[known], place[known], duration[known]
-    longer = np.maximum(duration - 2.0 * usual, 0.0).astype(np.int64)
-    twice = np.stack([time, time + longer], axis=1).ravel()
-    both = np.repeat(place, 2, axis=0)
-    kept = np.concatenate([[True], np.diff(twice) > 0])
-    return twice[kept], both[kept]
+    place, stances = footfalls(contact_path(foot), foot.stances).position, foot.stances
+    begin, end, known = stances.touchdown, stances.liftoff, all_finite(place)
+    if known.any():
+        # A stance that the log's start or end cuts is taken to be as long as others.
+        usual = int(median_of((end - begin)[stances.whole if stances.whole.any() else known]))
+        begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
+        end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
+        half = np.minimum(end - begin, usual) // 2
+        begin, end = begin + half, end - half
+    time, place = np.stack([begin, end], axis=1)[known].ravel(), np.repeat(place[known], 2, axis=0)
+    kept = np.diff(time, prepend=-1) > 0
+    return time[kept], place[kept]
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:

@@ -258,9 +258,9 @@ def rest_in_the_air(walk: Walk) -> bool:
     if len(walk.frozen):
         return False
     resting = 0
-    for foot in walk.feet:
+    for foot, path in zip(walk.feet, walk.corrected.places, strict=True):
         stood, down = foot.stood, foot.record.contact_fraction() or 0.0
-        if stood is None or foot.record.has_force or len(stood.first) < 2:
+        if path is None or foot.record.has_force or len(stood.first) < 2:
             continue
         if 0.0 < down < HALF:
             travel_m = median_of_known(stood.travel_m, axis=0)
