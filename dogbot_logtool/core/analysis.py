@@ -111,7 +111,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
     placed, worlds = placed_poses(records, candidates, period_s)
     height = height_over_feet(placed, records)
-    fallen = fallen_spans(recorded, records, height, jumps.spans)
+    fallen = fallen_spans(recorded, records, height)
     weighed = loads_of(records, settings, any_strides(records, fallen, timespans.no_spans()))
     dead = tuple(dead_feet(records, weighed))
     period_s = typical_period_s([each.stances for each in records])

@@ -49,10 +49,7 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     if normal is None:
         return np.asarray(offset[:, 2])
     # The feet's centre lies higher or lower than the ground below the base.
-    over_ground = offset[:, :3] @ (normal / normal[2])
-    if median_of(over_ground[~np.isnan(over_ground)]) < LOWEST_M:
-        return np.full(len(base.time), np.nan)
-    return np.asarray(over_ground)
+    return np.asarray(offset[:, :3] @ (normal / normal[2]))
 
 
 def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:

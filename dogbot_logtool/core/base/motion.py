@@ -227,9 +227,7 @@ LOADED_NS: Final = 500_000_000
 
 
 @np.errstate(invalid="ignore")
-def fallen_spans(
-    base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats, jumps: Ints
-) -> Ints:
+def fallen_spans(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> Ints:
     """Find the spans in which the robot lies because it fell.
 
     A fall is a descent from standing to lying, of a robot whose feet were loaded: as fast as a
@@ -240,7 +238,6 @@ def fallen_spans(
         base: poses.
         feet: histories of all feet.
         height_m: (n,) of the base over the feet, at each pose; NaN where not known.
-        jumps: (j, 2) ns, jumps of the pose; a height that jumps is no fall.
 
     Returns:
         (f, 2) ns, from the beginning of the descent until it lies no more.
@@ -264,9 +261,7 @@ def fallen_spans(
         slowest = SLOWEST_FALL if leans else SLOWEST_UPRIGHT_FALL
         # Of a height that is not known no descent is fast.
         is_fast = start - since <= (TOPPLES_NS if topples else slowest * free_fall_ns)
-        descent = np.array([[since, start]], np.int64)
-        jumped = timespans.touches(descent, jumps[:, 0] + 1, jumps[:, 1] - 1).any()
-        if is_fast and (topples or not jumped) and _are_loaded(feet, since - LOADED_NS, start):
+        if is_fast and _are_loaded(feet, since - LOADED_NS, start):
             steady = time[: stood[-1] + 1][~sways[: stood[-1] + 1]]
             began = int(steady[-1]) if len(steady) else since
             falls.append((began if since - began <= TOPPLES_NS else since, end))
