@@ -176,8 +176,7 @@ def by_legs(
     Args:
         places: of each foot, from the base's origin along its axes; None: not known.
         feet: histories of the same feet.
-        base: recorded poses, whose lean turns what legs tell, and whose turn stands in where a
-            single foot stands.
+        base: recorded poses, whose lean turns what legs tell.
 
     Returns:
         None where no foot's places are known.
@@ -196,10 +195,6 @@ def by_legs(
     angles = np.zeros((len(time), 3))
     if len(base.time):
         angles = interpolated(time, base.time, base.angles)
-    if not tells_turn and len(base.time) > 1:
-        rates = np.zeros((len(time), 3))
-        rates[:, 2] = np.gradient(angles[:, 2], (time - time[0]) / 1e9)
-        legs = leg_odometry(time, place, standing, rates)
     speed = norms(legs.velocity[np.isfinite(legs.velocity[:, 0])])
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None

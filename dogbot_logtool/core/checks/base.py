@@ -179,8 +179,6 @@ def frozen(walk: Walk) -> Iterator[Finding]:
 
 FEWEST_A_STRIDE: Final = 4.0
 """Distinct poses a stride from which they tell of attitude and height."""
-MOST_OF_LOG: Final = 0.03
-"""Share of the log that lies between two distinct poses from which its whole path is not known."""
 
 
 def rate(walk: Walk) -> Iterator[Finding]:
@@ -191,9 +189,6 @@ def rate(walk: Walk) -> Iterator[Finding]:
         return
     per_stride = period_s / interval_s
     cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
-    if interval_s > MOST_OF_LOG * float(np.ptp(poses.time)) / 1e9:
-        # Where the base goes after the last pose is not known.
-        cases = (*cases, "short")
     if poses.repeated or cases:
         say = "plain" if poses.repeated else "rare"
         rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
