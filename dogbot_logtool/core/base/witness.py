@@ -140,10 +140,10 @@ def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
         usual = int(median_of((end - begin)[stances.whole if stances.whole.any() else known]))
         begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
         end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
-        half = np.minimum(end - begin, usual) // 2
+        half = np.where(end - begin > 2 * usual, usual, end - begin) // 2
         begin, end = begin + half, end - half
     time, place = np.stack([begin, end], axis=1)[known].ravel(), np.repeat(place[known], 2, axis=0)
-    kept = np.diff(time, prepend=-1) > 0
+    kept = np.diff(time, prepend=-2) > 1
     return time[kept], place[kept]
 
 
