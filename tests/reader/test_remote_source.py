@@ -49,7 +49,7 @@ class Server(http.server.BaseHTTPRequestHandler):
             return
         wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
         first, _, last = wanted.partition("-")
-        piece = data[int(first) : int(last or len(data) - 1) + 1]
+        piece = data[int(first) : int(last or len(data) - 1) + (fault != "less")]
         self.sent.append(len(piece))
         self.send_response(206)
         self.send_header("Content-Range", f"bytes {first}-{last}/{len(data)}")
@@ -136,7 +136,7 @@ def test_a_log_is_the_same_wherever_it_lies(tmp_path: Path, url: str, name: str)
 
 
 @pytest.mark.usefixtures("hasty")
-@pytest.mark.parametrize("faults", [["stall"], ["503", "short", "503"]])
+@pytest.mark.parametrize("faults", [["stall"], ["503", "short", "less", "503"]])
 def test_a_fault_is_asked_past(tmp_path: Path, url: str, faults: Sequence[str]) -> None:
     (tmp_path / "x.bag").write_bytes(b"0123456789")
     Server.faults = list(faults)
