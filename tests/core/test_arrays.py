@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Ints,
+    aggregate,
     distinct,
     median_of,
     median_of_known,
@@ -53,7 +54,8 @@ def test_summaries_are_numpys(values: NDArray[Any], axis: int | None) -> None:
         np.testing.assert_array_equal(ours, numpys, strict=True)
 
 
-def test_nothing_has_no_median() -> None:
+def test_nothing_has_no_median_and_no_summary() -> None:
+    assert aggregate(np.array([np.nan, np.inf])) is None
     assert np.isnan(median_of([]))
     assert np.isnan(median_of(np.empty((0, 3)), axis=0)).tolist() == [True] * 3
 
