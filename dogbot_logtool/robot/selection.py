@@ -36,9 +36,10 @@ from dogbot_logtool.robot.robot import (
 )
 from dogbot_logtool.robot.topics import (
     has_field,
+    names_of,
     readable_source,
-    readable_topics,
     split_topic,
+    topics_of,
 )
 from dogbot_logtool.robot.unknown import find_candidates
 
@@ -185,9 +186,10 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
 
 def _usable_topics(log: Log) -> frozenset[str]:
     """Return the topics with odometry or contacts: a name alone makes no robot known."""
-    odometry = (c for c in log.channels.values() if c.type_name == ODOMETRY_TYPE)
-    readable = (channel.topic for channel in odometry if readable_source(channel, "base"))
-    return frozenset((*readable_topics(log, "feet"), *readable))
+    odometry = {
+        each.name for each in topics_of(log, "base") if each.source.row.name == ODOMETRY_TYPE
+    }
+    return frozenset({*names_of(log, "feet"), *odometry})
 
 
 def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:
