@@ -28,11 +28,6 @@ _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
 
 
-def alternatives(sets: Sequence[FootSet]) -> str:
-    """Return the words for a shell that choose the first of some sets."""
-    return " or ".join(foot_options(one.feet) for one in sets[:_ALTERNATIVES])
-
-
 def foot_options(feet: Iterable[Foot]) -> str:
     """Return the words for a shell that name some feet."""
     return " ".join(f"--foot {foot.name}={shell_quoted(foot.word)}" for foot in feet)
@@ -50,9 +45,8 @@ def offer_finding(log: Log, sets: Sequence[FootSet], call: str, base: str) -> Fi
     first, *others = sets
     call = f"{call} {foot_options(first.feet)}"
     if not first.type_name:
-        which = first.fields + (f"; or {alternatives(others)}" if others else "")
-        if len(others) > _ALTERNATIVES:
-            which += f" or {len(others) - _ALTERNATIVES} other sets of topics"
+        options = " or ".join(foot_options(one.feet) for one in others[:_ALTERNATIVES])
+        which = first.fields + (f"; or {options}" if others else "")
         return replace(found("FEET_UNSURE", say="topics", which=which, call=call), command=call)
     told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in sets[:3])
     if any(foot.leg_position is None for foot in first.feet):
