@@ -1,19 +1,13 @@
 """The records of metrics, what is made of them, and why some are null."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from jsonschema import Draft202012Validator
 
-from dogbot_logtool.core.metrics import (
-    NEEDS,
-    WalkMetrics,
-)
-from dogbot_logtool.core.records import (
-    metric_paths,
-    to_json,
-    values,
-)
+from dogbot_logtool.core.metrics import NEEDS, Phase, WalkMetrics
+from dogbot_logtool.core.records import metric_paths, to_json, unknown, values
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.documents import schema
 from tests.measured import LogFacts, measured, measurement_of
@@ -70,6 +64,12 @@ def test_json_follows_the_schema() -> None:
     for detail in (True, False):
         validator.validate(to_json(walk, detail=detail))
     assert not validator.is_valid({**to_json(walk), "spin": 1})
+
+
+def test_records_are_printed_and_compared() -> None:
+    nothing = unknown(Phase)
+    assert repr(nothing) == "Phase(mean=None, consistency=None, left_hind=None)"
+    assert nothing == unknown(Phase) != replace(nothing, mean=0.5)
 
 
 def nulls(walk: WalkMetrics) -> set[str]:

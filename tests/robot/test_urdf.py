@@ -94,6 +94,8 @@ def test_a_biped_with_a_waist_and_toes() -> None:
     for side, y in (("left", 0.1), ("right", -0.1)):
         joints += leg("pelvis", side, 0.0, y)
         joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
+        # A spring that hangs beside it on the same leg.
+        joints.append(("revolute", f"{side}_calf", f"{side}_rod", "0.05 0 -0.15", "0 1 0"))
     legs, _ = find_legs(read_robot(urdf(joints, ["torso"])), {})
     assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
 

@@ -40,8 +40,7 @@ def find_legs(
     chains = [chain if kept else None for chain, kept in zip(chains, known, strict=True)]
     by_joints = any(chains)
     if not by_joints:
-        found = leg_chains(selection, probe, probe.parent_of)
-        chains = [chain if chain and _moves(chain, probe) else None for chain in found]
+        chains = leg_chains(selection, probe, probe.parent_of)
     if not any(chains) and not recording.joints:
         return None
     by_frames = not by_joints and any(chains)
@@ -61,12 +60,6 @@ def find_legs(
         limits=robot.limits if robot else {},
         lacking=tuple(name for each in lacking for name in each) if has_legs else (),
     )
-
-
-def _moves(chain: LegChain, probe: KnownFrames) -> bool:
-    """Tell whether transforms move a foot against the base."""
-    tracks = probe.tracks(chain.frames)
-    return not all(frame in tracks and tracks[frame].static for frame in chain.frames)
 
 
 def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:

@@ -14,29 +14,25 @@ from dogbot_logtool.reader.containers.log import (
     Chunk,
     Extra,
     Schema,
-    time_range,
 )
-from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages, summed_up
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     CHUNK_HEAD_SIZE,
+    DAMAGED_SUMMARY,
     FIRST_PRIVATE_OPCODE,
+    FOOTER_SIZE,
     LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
     McapFormat,
+    check_data,
     chunk_at,
     described,
-    is_chunk,
-)
-from dogbot_logtool.reader.containers.mcap.summary import (
-    DAMAGED_SUMMARY,
-    FOOTER_SIZE,
-    check_data,
     indexed_chunk,
+    is_chunk,
     read_footer,
 )
 from dogbot_logtool.reader.containers.record_log import (
-    IndexEntry,
     RecordLog,
     UnusableIndex,
     open_records,
@@ -48,6 +44,7 @@ from dogbot_logtool.reader.containers.source import ByteSource
 
 _NO_ACCIDENT: Final = 4
 """So many messages behind each other are believed, though their channel is not described yet."""
+_STATED: Final = ("start_time", "end_time", "counts")
 _LARGEST_TIME: Final = 2**63 - 1
 _LENGTHS: Final = attrgetter("end", "data_offset", "data_size", "size", "compression")
 
@@ -89,11 +86,7 @@ class McapLog(RecordLog):
         if not self._agrees(footer, statistics):
             what = "the summary contradicts itself or the chunks; the log was read without it"
             raise UnusableIndex(Loss(start, what))
-        self.counts = {**dict.fromkeys(self.channels, 0), **statistics.channel_message_counts}
-        filled = [chunk for chunk in self.chunks if chunk.messages != 0]
-        self.start_time, self.end_time = time_range(filled)
-        self._conclude()
-        self.losses = summed_up(self._losses)
+        self._finish({**dict.fromkeys(self.channels, 0), **statistics.channel_message_counts})
 
     def _is_complete(self, statistics: records.Statistics) -> bool:
         """Tell whether a summary with some statistics has all that opening a log needs."""
@@ -188,8 +181,8 @@ class McapLog(RecordLog):
             case records.ChunkIndex():
                 chunk = indexed_chunk(found)
                 self._named.append(chunk)
-                entry = IndexEntry(chunk.start_time, chunk.end_time, chunk.counts)
-                self._index_entries[chunk.offset] = entry
+                stated = {name: getattr(chunk, name) for name in _STATED}
+                self._stated[chunk.offset] = stated
             case records.DataEnd():
                 self._data_end = offset
         if opcode == Opcode.MESSAGE_INDEX:
@@ -205,7 +198,7 @@ class McapLog(RecordLog):
             raise ChunkDamage("it is cut off")
         opcode, length = RECORD_HEAD.unpack_from(head)
         record_end = chunk.offset + RECORD_HEAD.size + length
-        if chunk.is_scanned and record_end > chunk.end == self.source.size:
+        if record_end > chunk.end == self.source.size:
             return 0, ()
         crc = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)[3]
         own = chunk_at(chunk.offset, head)
