@@ -65,9 +65,6 @@ class ChosenBase(NamedTuple):
     robot: Robot
     channels: tuple[Channel, ...] = ()
     base: Base | None = None
-    offered: str = ""
-    """Poses that are likely the base's and are not taken unasked, as ``--odom-topic`` takes them;
-    empty: there are none, or a base is known."""
 
 
 class _Candidate(NamedTuple):
@@ -140,7 +137,7 @@ def choose_base(
         is_there = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
         poses = f", unless these poses are the base's: {_options(own)}" if own else ""
         findings.append(found("NO_BASE", say="unread" if is_there else "plain", poses=poses))
-        return ChosenBase(robot, offered=_likely_base(own, feet))
+        return ChosenBase(robot)
     best, *others = own
     text = f"the base's poses are taken from {best.name} ({best.row.name})"
     text += f", since the robot's {named} is missing or cannot be used" if named else ""
@@ -312,16 +309,3 @@ def _namespace_of(topic: str) -> str:
     """Return the first part of a topic if it may be a robot's name; else nothing."""
     first, *rest = topic.strip("/").split("/")
     return first.lower() if rest and texts_of(first) - _NO_NAMES else ""
-
-
-def _likely_base(candidates: Sequence[_Candidate], feet: Collection[str]) -> str:
-    """Return the name of the poses to offer; empty: there are none.
-
-    These are the only ones, or the first of the feet's robot that are named like a base.
-    """
-    measured = [
-        each for each in candidates if not (each.is_planned or texts_of(each.name) & _OTHER_WORDS)
-    ]
-    named = [each for each in measured if texts_of(each.name) & _BASE_WORDS]
-    best = _of_same_robot(named, feet) or (measured if len(measured) == 1 else [])
-    return best[0].name if best else ""

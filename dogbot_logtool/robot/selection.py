@@ -134,17 +134,8 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     if options.robot is not None and known and known.isdisjoint(used):
         findings.append(found("ROBOT_GUESSED", "absent", robot=robot.name))
     findings += of_feet
-    call = call_of(log, options, chosen.offered)
     if offers:
-        findings.append(offer_finding(log, offers, call, chosen.offered))
-    elif chosen.offered:
-        # This takes the poses that are offered.
-        findings = [
-            replace(each, text=f"{each.text}; this takes them: {call}", command=call)
-            if each.code == "NO_BASE"
-            else each
-            for each in findings
-        ]
+        findings.append(offer_finding(log, offers, call_of(log, options)))
     transforms = [
         channel
         for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
