@@ -61,8 +61,6 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links
     paths = [foot_path(chain, frames) for chain in settings.chains]
-    if not joints and not any(path is not None for path in paths):
-        return walk
     clocks = walk.corrected.joint_clocks
     apart = too_far_apart(clocks, walk.period_s) & set(settings.joint_topics)
     unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
@@ -114,8 +112,9 @@ def _leg(
     foot, chain = walk.feet[row], settings.chains[row]
     too_little = "" if path else "too little of its leg is told"
     reason = settings.reasons[row] or too_little or unplaced
-    leg = LegFoot(foot.name, chain.frames[0] if chain else "", reason, path, {})
-    if path is None or leg.reason:
+    frame = chain.frames[0] if chain and path else ""
+    leg = LegFoot(foot.name, frame, reason, path, {})
+    if path is None or reason:
         return leg
     world = path.in_world(walk.poses)
     stood = footfalls(world, foot.stances)

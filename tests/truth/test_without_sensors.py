@@ -14,8 +14,8 @@ from mcap_ros2.decoder import DecoderFactory
 import dogbot_logtool as dl
 from tests.truth.free_walker import HEAVY_KG, biped, quadruped
 from tests.truth.parts import urdf
-from tests.truth.physics import Physics, resized, write_bare_log
-from tests.truth.recording import Floats
+from tests.truth.physics import Physics, resized, write_bare_log, write_log
+from tests.truth.recording import Floats, product, turned
 
 Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
 ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {
@@ -100,6 +100,37 @@ def test_trot_by_torques(tmp_path: Path) -> None:
     assert walk.stats["feet"]["front_left"]["peak_force_n"] is None
     assert walk.stats["base"]["climb_m"] is None
     assert {"CONTACT_ESTIMATED", "BASE_FROM_LEGS"} <= codes(walk).keys()
+
+
+@pytest.mark.parametrize("heading_rad", [0.0, 2.0])
+def test_poses_place_the_feet_that_joints_tell(heading_rad: float, tmp_path: Path) -> None:
+    truth = robot("trot")
+    half = [0.0, 0.0, np.sin(heading_rad / 2.0), np.cos(heading_rad / 2.0)]
+    north = replace(
+        truth,
+        base=turned(np.array([half]), truth.base),
+        attitude=product(np.array([half]), truth.attitude),
+    )
+    log = write_log(tmp_path / "log.mcap", north, by_transforms=False, every=5, with_feet=False)
+    stats = dl.measure(log).stats
+    assert stats["settings"]["contact_from"] == "joint_torques"
+    assert stats["settings"]["base_from"] == "pose"
+    assert stats["gait"]["name"] == "trot"
+    assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, rel=0.01)
+    assert stats["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.1)
+    braking = -truth.force[:, :, 0].clip(max=0.0).mean(axis=0) * 0.5
+    for foot, true in zip(stats["feet"].values(), braking, strict=True):
+        assert foot["stride_length_m"]["median"] == pytest.approx(truth.speed_mps / 2.0, rel=0.02)
+        assert foot["braking_impulse_ns"]["mean"] == pytest.approx(true, abs=0.8)
+
+
+def test_sensors_without_poses_keep_their_gait_where_joints_tell_nothing(tmp_path: Path) -> None:
+    log = write_log(
+        tmp_path / "log.mcap", robot("trot"), by_transforms=False, every=20, with_poses=False
+    )
+    stats = dl.measure(log).stats
+    assert (stats["settings"]["contact_from"], stats["gait"]["name"]) == ("sensor", "trot")
+    assert stats["base"]["forward_speed_mps"] is None
 
 
 FAULTS: Final[Mapping[str, tuple[Change, str]]] = {

@@ -14,7 +14,6 @@ from dogbot_logtool.core.arrays import (
     flagged_runs,
     mean_of_known,
     median_of,
-    nearest_rows,
 )
 from dogbot_logtool.core.base.leg_odometry import (
     LONG_S,
@@ -32,7 +31,6 @@ from dogbot_logtool.core.corrections.clock import advancing
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.legs.ground import (
     FEWEST,
-    SLOWEST_S,
     Ground,
     LegJoints,
     effort_fault,
@@ -327,12 +325,3 @@ def _samples(foot: int, standing: Flags, points: Floats, force: Floats, base: Od
         position=place,
         normal=np.full((count, 3), np.nan),
     )
-
-
-def placed_by_legs(sensed: Samples, estimated: Samples) -> Samples:
-    """Return a sensor's samples with the places where its leg rests."""
-    if not len(sensed.log_time):
-        return sensed
-    row = nearest_rows(estimated.log_time, sensed.log_time)
-    near = np.abs(estimated.log_time[row] - sensed.log_time) <= SLOWEST_S * 1e9
-    return replace(sensed, position=np.where(near[:, None], estimated.position[row], np.nan))

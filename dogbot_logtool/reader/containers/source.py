@@ -214,33 +214,21 @@ class RemoteSource(ByteSource):
         return self._fetch([(start, min(start + self._block_size, self.size))])[0]
 
     def _fetch(self, runs: Sequence[_Run]) -> list[bytes]:
-        def answers() -> list[bytes]:
-            found = _cat(self._url, runs)
+        url = self._url
+        starts, ends = [run[0] for run in runs], [run[1] for run in runs]
+        # A small server has no room for a hundred connections at once, and leaves some waiting.
+        options = {"batch_size": _AT_ONCE} if url.protocol in {"http", "https"} else {}
+        with storage.asking(url):
+            names = [url.path] * len(runs)
+            found: list[Any] = url.fs.cat_ranges(names, starts, ends, **options)
             for (start, end), answer in zip(runs, found, strict=True):
                 if isinstance(answer, BaseException):
                     raise answer
                 if len(answer) > end - start:
                     raise LogError(
-                        f"{storage.name_of(self.path)}: its server sends more than the parts that "
-                        "are asked for; download it first"
+                        f"{storage.name_of(url)}: its server sends more than the parts that are "
+                        "asked for; download it first"
                     )
                 if len(answer) < end - start:
                     raise OSError("it sends less than was asked for")
-            return found
-
-        return storage.asked(self.path, answers) if runs else []
-
-
-def _cat(url: "UPath", runs: Sequence[_Run]) -> list[Any]:
-    """Return bytes, or the error, for each run; a stall is an error."""
-    from fsspec.asyn import AsyncFileSystem, sync  # noqa: PLC0415 - only URLs need it
-
-    names, starts, ends = [url.path] * len(runs), [run[0] for run in runs], [run[1] for run in runs]
-    fs = url.fs
-    if not isinstance(fs, AsyncFileSystem):
-        return list(fs.cat_ranges(names, starts, ends))
-    # A small server has no room for a hundred connections at once, and leaves some waiting.
-    options = {"batch_size": _AT_ONCE} if url.protocol in {"http", "https"} else {}
-    within = storage.ANSWER_WITHIN_S
-    answers = sync(fs.loop, fs._cat_ranges, names, starts, ends, timeout=within, **options)  # noqa: SLF001 - the only call with a timeout
-    return list(answers)
+        return found
