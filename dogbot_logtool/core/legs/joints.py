@@ -156,7 +156,7 @@ def joint_tracks(
             recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
             key = recorded.tobytes()
             if key not in used:
-                used[key] = _usable(table, np.flatnonzero(recorded), clock)
+                used[key] = usable_rows(table, np.flatnonzero(recorded), clock)
             rows, time = used[key]
             if len(rows) and name not in found and len(found) < MOST_JOINTS:
                 position, velocity, effort = (
@@ -169,7 +169,7 @@ def joint_tracks(
     return dict(sorted(found.items()))
 
 
-def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
+def usable_rows(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
     """Return those of some messages whose time is later than all before, and these times, ns."""
     log_time, stamp = table.samples.log_time[rows], table.samples.stamp[rows]
     good = np.ones(len(rows), np.bool_)
