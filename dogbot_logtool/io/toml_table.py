@@ -34,12 +34,7 @@ def read_text(path: Path, what: str, largest: int = _LARGEST) -> str:
         CallError: it cannot be read, or is not such a file.
     """
     try:
-        data = content(path, largest)
-        if data is None:
-            raise CallError(f"{path}: is larger than {largest >> 10} kB, so it is not {what}")
-        return data.decode("utf-8-sig")
-    except OSError as error:
-        raise CallError(f"{path}: cannot be read as {what}: {error.strerror}") from error
+        return content(path, largest).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise CallError(f"{path}: cannot be read as {what}: it is not UTF-8 text") from error
 
