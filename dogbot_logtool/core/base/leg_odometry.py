@@ -1,7 +1,7 @@
 """How the base moves by its legs, and leans and turns by its inertial unit, without poses.
 
     legs = leg_odometry(time, place, standing, turn_rate)
-    base = dead_reckoned(legs, roll_pitch)             # a BaseHistory, where a log has no poses
+    base = dead_reckoned(legs)                         # a BaseHistory, where a log has no poses
 
 A foot that stands rests on the ground. With p the place of a standing foot in the base's axes and w
 the base's turn rate, the base moves by ``v = -(dp/dt + w x p)`` (Roston and Krotkov 1991), in its
@@ -138,7 +138,7 @@ def _noise(velocity: Floats, common: Floats, feet: Ints) -> float:
 
 
 def dead_reckoned(
-    legs: LegOdometry, roll_pitch: Floats, acceleration: Floats | None = None
+    legs: LegOdometry, roll_pitch: Floats | None = None, acceleration: Floats | None = None
 ) -> BaseHistory:
     """Add up the legs' velocities to poses of the base, from the origin on, with heading 0.
 
@@ -147,7 +147,7 @@ def dead_reckoned(
 
     Args:
         legs: velocities.
-        roll_pitch: (n, 2) rad.
+        roll_pitch: (n, 2) rad, of an inertial unit; None: velocities are along level axes.
         acceleration: (n, 3) m/s^2, of the base along its axes, without gravity's: how its velocity
             changes while no foot stands; None: evenly.
 
@@ -165,7 +165,8 @@ def dead_reckoned(
     turns = bridged(legs.turn_rate, middle)
     angles = np.zeros((len(time), 3))
     angles[1:, 2] = np.cumsum(turns[:, 2] * seconds)
-    angles[:, :2] = roll_pitch
+    if roll_pitch is not None:
+        angles[:, :2] = roll_pitch
     halfway = (angles[1:] + angles[:-1]) / 2.0
     step = rotate(from_roll_pitch_yaw(halfway), velocity) * seconds[:, None]
     position = np.zeros((len(time), 3))
