@@ -23,7 +23,6 @@ from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
 from dogbot_logtool.core.gait.strides import any_strides, standing_in, support, typical_period_s
-from dogbot_logtool.core.leg_position import quadruped
 from dogbot_logtool.core.loads import dead_feet, is_stuck, loads_of
 from dogbot_logtool.core.metrics import Log
 from dogbot_logtool.core.recording import Recording
@@ -188,7 +187,6 @@ def _measured(walk: Walk) -> Walk:
     walk = replace(
         walk,
         reference=reference_foot(feet),
-        corners=quadruped([foot.leg_position for foot in settings.feet]),
         tipping=find_tipping(walk.base_history, settings.forward_rad),
         segments=segments,
         main=main_segment(segments),

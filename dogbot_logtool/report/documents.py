@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 
 from dogbot_logtool import __version__
 from dogbot_logtool.core.definitions import definitions
-from dogbot_logtool.core.event import with_steps
+from dogbot_logtool.core.events import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import Field, fields_of, to_json, values
 from dogbot_logtool.finding import Finding

@@ -215,9 +215,6 @@ def with_settings(robot: Robot, settings: Mapping[str, str] | None) -> Robot:
         feet = tuple(changed if each.name == foot else each for each in robot.feet)
         robot = replace(robot, feet=feet)
         given.add(f"tare.{foot}" if name == "offset_n" else path)
-    on, off = robot.contact_on_n, robot.contact_off_n
-    if on is not None and off is not None and off > on:
-        raise CallError(f"contact_off_n {off:g} is above contact_on_n {on:g}; it must not be")
     return replace(robot, given=frozenset(given))
 
 

@@ -7,7 +7,15 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of, rows_of_runs
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Integral,
+    Ints,
+    aggregate,
+    percentiles_of,
+    trapezoids,
+)
 from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
 from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
@@ -218,18 +226,14 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> Floats:
         return impulses
     before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
     # A foot that stopped to speak in a stance has no sample at its end.
-    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
-    rows, stance, first = rows_of_runs(before, behind)
-    x, y = (column.take(rows) for column in track.horizontal_force.T)
-    cos, sin = np.cos(heading[known])[stance], np.sin(heading[known])[stance]
-    along = x * cos + y * sin
-    time = (track.time[rows] - track.time[0]) / 1e9
-    half_steps = np.diff(time, prepend=0.0) / 2.0
-    half_steps[first] = 0.0
-    for found, part in zip(
-        impulses, (np.maximum(-along, 0.0), np.maximum(along, 0.0)), strict=True
-    ):
-        found[known] = np.add.reduceat((part + np.roll(part, 1)) * half_steps, first)
+    behind = np.searchsorted(track.time, stances.liftoff[known]).clip(max=len(track.time) - 1)
+    begin, end = track.time[before], track.time[behind]
+    stance = np.maximum(np.searchsorted(begin, track.time, side="right") - 1, 0)
+    x, y = np.nan_to_num(track.horizontal_force).T
+    along = x * np.cos(heading[known])[stance] + y * np.sin(heading[known])[stance]
+    parts = np.stack([np.maximum(-along, 0.0), np.maximum(along, 0.0)], axis=1)
+    total = Integral(track.time, trapezoids(np.diff(track.time) / 1e9, parts))
+    impulses[:, known] = total.added(begin, end).T
     return impulses
 
 

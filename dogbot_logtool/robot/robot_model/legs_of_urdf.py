@@ -8,12 +8,11 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.frames.kinematics import Joint, Leg, Mass, leg_motion
 from dogbot_logtool.core.leg_position import LegPosition, leg_names
-from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import multiply, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, joints_below
-from dogbot_logtool.robot.words import SOLES, Part, parts_of, texts_of, word_set
+from dogbot_logtool.robot.words import Part, parts_of
 
 _HIGHEST: Final = 0.4
 """Share of the depth of the lowest foot below the base that other feet may be higher."""
@@ -26,8 +25,6 @@ _REACH: Final = 0.1
 _SAME_LEG: Final = 0.5
 """Share of the joints of the shorter chain that two ends of one leg have in common."""
 _MOST_LEGS: Final = 16
-_ARMS: Final = word_set("arm elbow finger fingers gripper hand head neck palm shoulder thumb wrist")
-_SENSORS: Final = word_set("camera force ft imu motor rotor screw sensor")
 
 
 def find_legs(
@@ -44,9 +41,9 @@ def find_legs(
         ValueError: it has none that can be used; the sentence goes on from its description.
     """
     below = joints_below(robot.joints)
-    ends = [_end(robot, below, chain, posture) for chain in _chains(below, robot.base)]
+    ends = _ends(robot, below, posture)
     wheels = [end.leg.foot for end in ends if end.is_wheel]
-    feet = _lowest([end for end in ends if not (end.is_wheel or _is_arm(end.leg))])[:_MOST_LEGS]
+    feet = _lowest([end for end in ends if not end.is_wheel])[:_MOST_LEGS]
     if not feet:
         what = f"legs that end in wheels, {', '.join(wheels)}, and " if wheels else ""
         raise ValueError(f"has {what}no two legs: chains of joints that end below the base")
@@ -94,67 +91,48 @@ class _End(NamedTuple):
     is_wheel: bool
 
 
-def _chains(
+def _paths(
     below: Mapping[str, list[Joint]], link: str, above: tuple[Joint, ...] = ()
 ) -> Iterator[tuple[Joint, ...]]:
-    """Yield chains of joints down to the last that moves."""
-    moving = [joint for joint in below.get(link, ()) if _moves(below, joint)]
-    for joint in moving:
-        yield from _chains(below, joint.child, (*above, joint))
-    if not moving and sum(joint.kind != "fixed" for joint in above) >= _SHORTEST:
-        yield above
-
-
-def _moves(below: Mapping[str, list[Joint]], joint: Joint) -> bool:
-    """Tell whether a joint, or one below it, moves."""
-    return joint.kind != "fixed" or any(_moves(below, each) for each in below.get(joint.child, ()))
-
-
-def _end(
-    robot: RobotOfUrdf,
-    below: Mapping[str, list[Joint]],
-    chain: tuple[Joint, ...],
-    posture: Mapping[str, float],
-) -> _End:
-    """Return where a chain ends: at a foot by its name, or what hangs lowest."""
-    ends: list[tuple[bool, int, float, int, _End]] = []
-    for tail in ((), *_fixed_tails(below, chain[-1].child)):
-        link = robot.link((*chain, *tail)[-1].child)
-        leg = Leg((*chain, *tail), point=link.tip, radius_m=link.radius_m)
-        usual = [posture.get(name, _at_rest(robot.limits.get(name))) for name in leg.measured]
-        motion = leg_motion(leg, np.array([usual]))
-        moving = [row for row, joint in enumerate(leg.joints) if joint.kind != "fixed"]
-        place, origins = motion.foot[0], motion.origins[0]
-        length = sum(np.linalg.norm(np.diff(origins[moving[0] :], axis=0), axis=1))
-        # A joint that slides takes the foot away from those that turn.
-        turning = [row for row in moving if leg.joints[row].kind == "revolute"] or moving
-        reach = float(np.linalg.norm(place - origins[turning[-1]]))
-        at_joint = reach <= _REACH * (length + reach)
-        turns = at_joint and leg.joints[moving[-1]].name in robot.continuous
-        is_joint = at_joint and len(moving) < _ANKLED
-        end = _End(leg, place, origins[moving[0]], is_joint, turns or _is_wheel(leg))
-        ends.append((is_joint, _rank(leg.foot), place[2], len(ends), end))
-    return min(ends)[-1]
-
-
-def _fixed_tails(below: Mapping[str, list[Joint]], link: str) -> Iterator[tuple[Joint, ...]]:
+    """Yield the joints down to each link."""
+    yield above
     for joint in below.get(link, ()):
-        yield (joint,)
-        yield from ((joint, *tail) for tail in _fixed_tails(below, joint.child))
+        yield from _paths(below, joint.child, (*above, joint))
 
 
-def _rank(link: str) -> int:
-    """Return how surely a link is named as what touches the ground, low first."""
-    texts = texts_of(link)
-    if texts & _SENSORS:
-        return 3
-    return 0 if texts & SOLES else 1 if Part.FOOT in parts_of([link]) else 2
+def _ends(
+    robot: RobotOfUrdf, below: Mapping[str, list[Joint]], posture: Mapping[str, float]
+) -> list[_End]:
+    """Return where chains of joints end: at what hangs lowest on the last joint that moves."""
+    of_joint: dict[str, list[_End]] = {}
+    inner: set[str] = set()
+    for path in _paths(below, robot.base):
+        moving = [joint.name for joint in path if joint.kind != "fixed"]
+        inner.update(moving[:-1])
+        if len(moving) >= _SHORTEST:
+            of_joint.setdefault(moving[-1], []).append(_end(robot, path, posture))
+    return [
+        min(ends, key=lambda end: (end.is_joint, end.place[2]))
+        for name, ends in of_joint.items()
+        if name not in inner
+    ]
 
 
-def _at_rest(limits: JointLimits | None) -> float:
-    if limits is None or limits.lower <= 0.0 <= limits.upper:
-        return 0.0
-    return (limits.lower + limits.upper) / 2.0
+def _end(robot: RobotOfUrdf, path: tuple[Joint, ...], posture: Mapping[str, float]) -> _End:
+    """Return where a chain of joints ends, if its last link is the foot."""
+    link = robot.link(path[-1].child)
+    leg = Leg(path, point=link.tip, radius_m=link.radius_m)
+    motion = leg_motion(leg, np.array([[posture.get(name, 0.0) for name in leg.measured]]))
+    moving = [row for row, joint in enumerate(path) if joint.kind != "fixed"]
+    place, origins = motion.foot[0], motion.origins[0]
+    length = sum(np.linalg.norm(np.diff(origins[moving[0] :], axis=0), axis=1))
+    # A joint that slides takes the foot away from those that turn.
+    turning = [row for row in moving if path[row].kind == "revolute"] or moving
+    reach = float(np.linalg.norm(place - origins[turning[-1]]))
+    at_joint = reach <= _REACH * (length + reach)
+    turns = at_joint and path[moving[-1]].name in robot.continuous
+    is_joint = at_joint and len(moving) < _ANKLED
+    return _End(leg, place, origins[moving[0]], is_joint, turns or _is_wheel(leg))
 
 
 def _lowest(ends: Sequence[_End]) -> list[_End]:
@@ -173,12 +151,6 @@ def _is_wheel(leg: Leg) -> bool:
     moving = [joint.name for joint in leg.joints if joint.kind != "fixed"]
     parts = parts_of([leg.foot, moving[-1]])
     return Part.NOT_A_FOOT in parts and not parts & {Part.FOOT, Part.LEG}
-
-
-def _is_arm(leg: Leg) -> bool:
-    names = [name for joint in leg.joints for name in (joint.name, joint.child)]
-    of_leg = parts_of(names) & {Part.FOOT, Part.LEG, Part.UPPER_LEG}
-    return bool(texts_of(*names) & _ARMS) and not of_leg
 
 
 def _is_same_leg(leg: Leg, other: Leg) -> bool:

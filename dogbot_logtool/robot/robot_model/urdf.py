@@ -1,6 +1,6 @@
 """URDF: reading it safely; its base link, joints and links."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import hypot, isfinite
 from typing import Final, NamedTuple, cast
 from xml.etree import ElementTree as ET
@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Triple
+from dogbot_logtool.core.frames.transforms import loops
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 
@@ -45,9 +46,7 @@ class RobotOfUrdf(NamedTuple):
     base: str
     """Its base link."""
     joints: tuple[Joint, ...]
-    """All that make a tree of links."""
-    left_out: int
-    """How many make none."""
+    """They make a tree of links."""
     limits: Mapping[str, JointLimits]
     links: Mapping[str, Link]
     continuous: frozenset[str]
@@ -71,17 +70,19 @@ def read_robot(urdf: str) -> RobotOfUrdf:
     """
     root = parse_urdf(urdf)
     elements = [each for each in root.iterfind("joint") if each.get("type") in _KINDS]
-    joints = _in_tree(joint for each in elements for joint in _joint(each))
-    if not joints:
-        raise ValueError("has no joints that make a tree of links")
-    if len(joints) > MOST_JOINTS:
-        raise ValueError(f"has {len(joints)} joints, more than {MOST_JOINTS}")
+    if not elements:
+        raise ValueError("has no joints")
+    if len(elements) > MOST_JOINTS:
+        raise ValueError(f"has {len(elements)} joints, more than {MOST_JOINTS}")
+    joints = tuple(_joint(each) for each in elements)
+    edges = [(joint.parent, joint.child) for joint in joints]
+    if loops(edges) or len({child for _, child in edges}) < len(edges):
+        raise ValueError("has links in a circle, or with two parents")
     links = {each.get("name", "").lstrip("/"): _link(each) for each in root.iterfind("link")}
     endless = (each.get("name", "") for each in elements if each.get("type") == "continuous")
     return RobotOfUrdf(
         base=_base(joints, links),
         joints=joints,
-        left_out=len(elements) - len(joints),
         limits={each.get("name", ""): own for each in elements if (own := _limits(each))},
         links=links,
         continuous=frozenset(endless),
@@ -136,62 +137,43 @@ def parse_urdf(text: str) -> ET.Element:
     return root
 
 
-def left_out_text(count: int) -> str:
-    """Say how many joints of a description are left out, and why."""
-    return (
-        f"joints left out of the robot description: {count} (a number that cannot be used, "
-        "an axis of length 0, a missing link, a circle, or a second parent)"
-    )
+def _joint(element: ET.Element) -> Joint:
+    """Return a joint.
 
-
-def _in_tree(joints: Iterable[Joint]) -> tuple[Joint, ...]:
-    """Return the joints that make a tree: no circle, and no link with a second parent."""
-    above: dict[str, Joint] = {}
-    for joint in joints:
-        above.setdefault(joint.child, joint)
-    below = joints_below([*above.values()])
-    reached = [link for link in below if link not in above]
-    for link in reached:  # which grows
-        reached.extend(joint.child for joint in below.get(link, ()))
-    in_tree = frozenset(reached)
-    return tuple(joint for link, joint in above.items() if link in in_tree)
-
-
-def _joint(element: ET.Element) -> Iterator[Joint]:
-    """Yield a joint, if it has two links, an axis, and numbers that can be used."""
+    Raises:
+        ValueError: it has not two links, no axis, or a number that cannot be used.
+    """
     name, kind = element.get("name", ""), _KINDS[element.get("type", "")]
     parent, child = (_text(element, end, "link").lstrip("/") for end in ("parent", "child"))
     try:
         axis = _triple(element, "axis", "xyz", "1 0 0")
         turn = from_roll_pitch_yaw(np.array([_triple(element, "origin", "rpy")]))[0]
         length = hypot(*axis)
-        if name and parent and child and (length or kind == "fixed"):
-            yield Joint(
-                name=name,
-                parent=parent,
-                child=child,
-                kind=cast("Kind", kind),
-                translation=_triple(element, "origin", "xyz"),
-                rotation=tuple(turn.tolist()),
-                axis=cast("Triple", tuple(part / (length or 1.0) for part in axis)),
-                source=_text(element, "mimic", "joint"),
-                multiplier=_number(element, "mimic", "multiplier", "1"),
-                offset=_number(element, "mimic", "offset"),
-            )
-    except ValueError:
-        return
+        if not (name and parent and child and (length or kind == "fixed")):
+            raise ValueError("it lacks a name, a link or an axis")
+        return Joint(
+            name=name,
+            parent=parent,
+            child=child,
+            kind=cast("Kind", kind),
+            translation=_triple(element, "origin", "xyz"),
+            rotation=tuple(turn.tolist()),
+            axis=cast("Triple", tuple(part / (length or 1.0) for part in axis)),
+            source=_text(element, "mimic", "joint"),
+            multiplier=_number(element, "mimic", "multiplier", "1"),
+            offset=_number(element, "mimic", "offset"),
+        )
+    except ValueError as error:
+        raise ValueError(f"has a joint that cannot be used, {name}: {error}") from None
 
 
 def _limits(element: ET.Element) -> JointLimits | None:
-    """Return the limits of a joint; None where they are no numbers, or it does not move.
+    """Return the limits of a joint; None where it does not move.
 
     A continuous joint has none of its position; an effort or velocity of 0 says nothing.
     """
-    try:
-        names = ("lower", "upper", "effort", "velocity")
-        lower, upper, effort, velocity = (_number(element, "limit", name) for name in names)
-    except ValueError:
-        return None
+    names = ("lower", "upper", "effort", "velocity")
+    lower, upper, effort, velocity = (_number(element, "limit", name) for name in names)
     if element.get("type") == "continuous" or lower >= upper:
         lower, upper = -np.inf, np.inf
     moves = element.get("type") != "fixed"
@@ -199,25 +181,23 @@ def _limits(element: ET.Element) -> JointLimits | None:
 
 
 def _link(element: ET.Element) -> Link:
-    """Return a link; parts with numbers that cannot be used are left out."""
+    """Return a link."""
     mass, centre = 0.0, ORIGIN
     balls: list[tuple[Triple, float]] = []
     ends: list[Triple] = []
-    for tag in ("inertial", "collision", "visual"):
-        for part in element.iterfind(tag):
-            try:
-                place = _triple(part, "origin", "xyz")
-                if tag == "inertial":
-                    mass, centre = max(_number(part, "mass", "value"), 0.0), place
-                elif radius := _number(part, "geometry/sphere", "radius"):
-                    balls.append((place, radius))
-                elif length := _number(part, "geometry/cylinder", "length"):
-                    turn = from_roll_pitch_yaw(np.array([_triple(part, "origin", "rpy")]))
-                    half = rotate(turn, np.array([[0.0, 0.0, length / 2.0]]))[0]
-                    both = np.array(place) + half, np.array(place) - half
-                    ends += [cast("Triple", tuple(each.tolist())) for each in both]
-            except ValueError:
-                continue
+    for part in element:
+        if part.tag not in {"inertial", "collision", "visual"}:
+            continue
+        place = _triple(part, "origin", "xyz")
+        if part.tag == "inertial":
+            mass, centre = max(_number(part, "mass", "value"), 0.0), place
+        elif radius := _number(part, "geometry/sphere", "radius"):
+            balls.append((place, radius))
+        elif length := _number(part, "geometry/cylinder", "length"):
+            turn = from_roll_pitch_yaw(np.array([_triple(part, "origin", "rpy")]))
+            half = rotate(turn, np.array([[0.0, 0.0, length / 2.0]]))[0]
+            both = np.array(place) + half, np.array(place) - half
+            ends += [cast("Triple", tuple(each.tolist())) for each in both]
     if not balls:
         return Link(mass, centre, max(ends, key=lambda end: hypot(*end), default=ORIGIN))
     middle, radius = max(balls, key=lambda ball: (hypot(*ball[0]), ball[1]))
