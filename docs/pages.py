@@ -7,7 +7,7 @@ from typing import Final
 
 from dogbot_logtool.core.arrays import Aggregate
 from dogbot_logtool.core.definitions import definitions
-from dogbot_logtool.core.event import EventType
+from dogbot_logtool.core.events import EventType
 from dogbot_logtool.core.metrics import Stride, WalkMetrics
 from dogbot_logtool.core.records import Field, fields_of, is_record, metric_paths
 from dogbot_logtool.finding import finding_kinds

@@ -37,4 +37,4 @@ class DefinitionError(LogError):
 
 
 class StoreError(LogtoolError):
-    """A store of logs or results does not answer, though it was asked several times."""
+    """A store of logs or results fails."""

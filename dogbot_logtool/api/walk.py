@@ -17,7 +17,7 @@ from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import Floats, Ints, norms
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrected import usable_samples
-from dogbot_logtool.core.event import with_steps
+from dogbot_logtool.core.events import with_steps
 from dogbot_logtool.core.metrics import Event, Joint
 from dogbot_logtool.core.records import fields_of
 from dogbot_logtool.core.timespans import covers

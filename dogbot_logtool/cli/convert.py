@@ -1,12 +1,10 @@
 """`convert` on the command line."""
 
-from dataclasses import replace
 from typing import NoReturn
 
 from dogbot_logtool.cli.call import Call
 from dogbot_logtool.commands.tasks import conversion_tasks, convert_task
 from dogbot_logtool.io.output import may_be_several, output_at, targets
-from dogbot_logtool.io.storage import from_root
 from dogbot_logtool.options.convert import Convert
 from dogbot_logtool.report.documents import conversion_json
 
@@ -20,9 +18,8 @@ def run(options: Convert) -> NoReturn:
     several = not options.join and may_be_several(options.logs, logs.paths)
     where = output_at(options.output, _ENDING, several=several)
     if options.scheduler is not None:
-        where = where._replace(path=from_root(where.path))
+        where = where._replace(path=where.path.absolute())
     pairs = targets(logs.paths, where, _ENDING, logs.below)
-    options = replace(options, makes_folder=where.is_folder)
     tasks = conversion_tasks(pairs, options)
     for done in call.each(convert_task, options, tasks, logs.names, "convert"):
         call.add(conversion_json(done) if options.json else {})

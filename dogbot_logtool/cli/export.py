@@ -2,7 +2,6 @@
 
 import sys
 from collections import Counter
-from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
@@ -11,8 +10,8 @@ from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.cli.call import Call, refuse_given
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.output import refuse_bad_target, refuse_no_name, whole_file
-from dogbot_logtool.io.storage import Location, from_root, location, name_of
+from dogbot_logtool.io.output import output_file, refuse_no_name, whole_file
+from dogbot_logtool.io.storage import Location, location, name_of
 from dogbot_logtool.options.export import Export
 from dogbot_logtool.report.tables import TableFile
 from dogbot_logtool.results import Measurement
@@ -30,14 +29,13 @@ def run(options: Export) -> NoReturn:
     logs, options = call.joined_logs(options)
     if options.dataset is not None:
         _dataset(call, logs, options, options.dataset)
-    if options.output in {None, "-"}:
+    output = None if options.output == "-" else options.output
+    target = output_file(output, "", logs.paths, overwrite=options.overwrite)
+    if target is None:
         if options.overwrite:
             raise CallError("--overwrite goes with -o FILE")
         _write(call, logs, options, TableFile("stdout.csv", sys.stdout.buffer))
         call.finish()
-    refuse_no_name(options.output or "")
-    target = Path(options.output or "")
-    refuse_bad_target(target, logs.paths, overwrite=options.overwrite)
     with whole_file(target, overwrite=options.overwrite) as file:
         table = TableFile(target.name, file)
         _write(call, logs, options, table)
@@ -70,7 +68,7 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     from dogbot_logtool.report.text.written_text import print_dataset  # noqa: PLC0415
 
     refuse_no_name(name)
-    dataset = dataset_at(from_root(location(name)), options, parse_labels(options.label))
+    dataset = dataset_at(location(name).absolute(), options, parse_labels(options.label))
     pending = dataset.begin(logs, prune=options.prune)
     call.add_unchanged(pending.unchanged)
     counts = Counter(unchanged=len(pending.unchanged))

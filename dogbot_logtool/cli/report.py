@@ -52,9 +52,7 @@ def _against(call: Call, options: Report) -> NoReturn:
     where = output_at(options.output, ENDING, several=False)
     target = comparison_target(where, *(each.paths for each in sides), overwrite=options.overwrite)
     first, second = call.sides(sides, options)
-    done = report_against(
-        first, second, target, overwrite=options.overwrite, makes_folder=where.is_folder
-    )
+    done = report_against(first, second, target, overwrite=options.overwrite)
     if options.json:
         found = {"output": name_of(done.target), "bytes": done.size}
         click.echo(to_json({**found, **gait_comparison_json(done.found)}, indent=2))

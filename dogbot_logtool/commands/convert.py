@@ -48,16 +48,14 @@ def convert(
         LogError: the log cannot be read, or has nothing to annotate.
         LogtoolError: the target cannot be written.
     """
-    overwrite, makes_folder = options.overwrite, options.makes_folder
-    inputs = (source, *options.joined)
-    refuse_bad_target(target, inputs, overwrite=overwrite, makes_folder=makes_folder)
+    refuse_bad_target(target, (source, *options.joined), overwrite=options.overwrite)
     log = open_recorded(source, options.joined)
     try:
         plan = plan_measuring(log, options)
         draws_states = ARROW_STYLES[options.style].needs_contact_states
         plan = plan._replace(wanted=plan.wanted._replace(draws_states=draws_states))
         left_out = channels_left_out(log, options)
-        with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
+        with whole_file(target, overwrite=options.overwrite) as file:
             output = AnnotatedLog(file, log, options, left_out)
             copy = partial(copied_chunks, left_out, options.compression)
             measured = measure_planned(

@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from functools import partial
 from typing import Any
 
 from dogbot_logtool.commands.stats import MeasuredLog, measure_log
 from dogbot_logtool.io.output import Output, refuse_bad_target, targets, whole_file
-from dogbot_logtool.io.storage import Location, file_name, is_folder, name_of, version
+from dogbot_logtool.io.storage import Location, file_name, name_of, version
 from dogbot_logtool.options.report import Report
 from dogbot_logtool.report.page.assets import page_script, shared_name
 from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
@@ -29,15 +28,13 @@ class Reports:
             CallError: several logs would go to one file, or the index may not be written.
         """
         self._targets = dict(targets(logs, output, ".report.html"))
-        makes_folder = output.is_folder
-        self._refuse = partial(refuse_bad_target, overwrite=overwrite, makes_folder=makes_folder)
-        self._file = partial(whole_file, overwrite=overwrite, makes_folder=makes_folder)
+        self._overwrite = overwrite
         self._rows: dict[Location, IndexRow] = {}
         self._index: Location | None = None
         self._beside = ALONE
         if len(logs) > 1:
             self._index = output.path / "index.html"
-            self._refuse(self._index)
+            refuse_bad_target(self._index, overwrite=overwrite)
             self._beside = Beside(shared_name(), "index.html")
 
     def write(self, source: Location, options: Report, progress: OnProgress | None = None) -> Page:
@@ -53,15 +50,14 @@ class Reports:
             LogtoolError: the log cannot be used, or the page not be written.
         """
         target = self._targets[source]
-        self._refuse(target, [source])
+        refuse_bad_target(target, [source], overwrite=self._overwrite)
         with closing(open_recorded(source, options.joined)) as log:
             found = measure_log(log, options, progress)
             replay = replay_of(found) if options.replay else None
         measured = found.measurement
-        size = 0 if is_folder(source) else version(source)[0]
-        html = page(measured, size, replay=replay, beside=self._beside)
+        html = page(measured, version(source)[0], replay=replay, beside=self._beside)
         self._share_script()
-        with self._file(target) as file:
+        with whole_file(target, overwrite=self._overwrite) as file:
             file.write(html)
         self._rows[source] = index_row(measured, file_name(target))
         return Page(source, target, len(html), measured)
@@ -75,7 +71,7 @@ class Reports:
         if self._index is None:
             return
         rows = [self._rows.get(log) or _row_without_page(log, failures) for log in self._targets]
-        with self._file(self._index) as file:
+        with whole_file(self._index, overwrite=self._overwrite) as file:
             file.write(index(rows))
 
     def _share_script(self) -> None:
@@ -84,7 +80,7 @@ class Reports:
             return
         # Its name tells its content: one that is there already is the same.
         script = self._index.parent / self._beside.script
-        with self._file(script, overwrite=True) as file:
+        with whole_file(script, overwrite=True) as file:
             file.write(page_script().encode())
 
 

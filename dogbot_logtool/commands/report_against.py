@@ -31,8 +31,7 @@ def comparison_target(
         CallError: it may not be written there.
     """
     target = output.path / f"{file_stem(logs[0])}{ENDING}" if output.is_folder else output.path
-    inputs = (*logs, *others)
-    refuse_bad_target(target, inputs, overwrite=overwrite, makes_folder=output.is_folder)
+    refuse_bad_target(target, (*logs, *others), overwrite=overwrite)
     return target
 
 
@@ -42,7 +41,6 @@ def report_against(
     target: Location,
     *,
     overwrite: bool,
-    makes_folder: bool,
 ) -> ComparisonPage:
     """Compare two sides, and write their page.
 
@@ -51,7 +49,6 @@ def report_against(
         second: of the other.
         target: the page.
         overwrite: replace a page that is there.
-        makes_folder: make the directory that it is in.
 
     Raises:
         LogError: nothing of a side could be measured.
@@ -59,6 +56,6 @@ def report_against(
     """
     found = compare_walks(first, second)
     html = comparison_page(found, ([each.json for each in first], [each.json for each in second]))
-    with whole_file(target, overwrite=overwrite, makes_folder=makes_folder) as file:
+    with whole_file(target, overwrite=overwrite) as file:
         file.write(html)
     return ComparisonPage(target, len(html), found)

@@ -11,7 +11,7 @@ from fnmatch import fnmatchcase
 from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.comparison.limits import Rule, Value, is_number
-from dogbot_logtool.core.event import EventType
+from dogbot_logtool.core.events import EventType
 from dogbot_logtool.core.records import METRICS, MetricPath
 
 Json = Mapping[str, Any]

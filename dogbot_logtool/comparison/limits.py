@@ -18,7 +18,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Final, Literal, NamedTuple, TypeGuard, get_args
 
-from dogbot_logtool.core.event import EventType
+from dogbot_logtool.core.events import EventType
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity, finding_kinds
 from dogbot_logtool.io.toml_table import parse_toml, read_text, shortened, toml_number

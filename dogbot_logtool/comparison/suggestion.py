@@ -6,7 +6,7 @@ from typing import Final, Literal, NamedTuple
 
 from dogbot_logtool.comparison.judge import Json, can_tell, figures_in
 from dogbot_logtool.comparison.limits import is_number
-from dogbot_logtool.core.event import STEPS, EventType
+from dogbot_logtool.core.events import STEPS, EventType
 from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.toml_table import to_toml

@@ -9,7 +9,7 @@ import numpy as np
 
 from dogbot_logtool.conversion.scene import Scene
 from dogbot_logtool.core.arrays import AnyColumns, Ints, picked
-from dogbot_logtool.core.event import STEPS, to_log_time, with_steps
+from dogbot_logtool.core.events import STEPS, to_log_time, with_steps
 from dogbot_logtool.core.gait.segments import gait_changes
 from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows
 from dogbot_logtool.core.scene.feet import DrawnFoot, foot_labels, foot_loads

@@ -46,14 +46,6 @@ def legs_in_order(positions: Sequence[LegPosition | None]) -> tuple[int, ...] | 
     return tuple(positions.index(each) for each in wanted)
 
 
-def quadruped(positions: Sequence[LegPosition | None]) -> tuple[int, ...] | None:
-    """Return which foot is front left, front right, back left, back right.
-
-    None unless the robot has exactly these four.
-    """
-    return legs_in_order(positions) if len(positions) == 4 else None
-
-
 def leg_names(points: Floats) -> tuple[str, ...]:
     """Name legs by where their feet are.
 

@@ -62,10 +62,8 @@ class JointSamples:
     velocity: Floats
     effort: Floats
 
-    def only(self, joints: Ints) -> "JointSamples":
-        """Return the states of some joints, copies unless these are all."""
-        if np.array_equal(joints, np.arange(self.position.shape[1])):
-            return self
+    def only(self, joints: Ints | slice) -> "JointSamples":
+        """Return the states of some joints: copies, or views of a slice."""
         values = (each[:, joints] for each in (self.position, self.velocity, self.effort))
         return JointSamples(self.log_time, self.stamp, *values)
 

@@ -78,9 +78,6 @@ class Walk:
 
     reference: int = 0
     """The foot that phases are measured against: left fore, or the first that has strides."""
-    corners: tuple[int, ...] | None = None
-    """Which foot is front left, front right, back left, back right; None: no quadruped, or
-    not known."""
     tipping: Tipping | None = None
     """The robot is tipping when the recording ends."""
     segments: tuple[Segment, ...] = ()

@@ -6,7 +6,7 @@ metrics.gait.name, metrics.feet["front_left"].stance_s.median
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any
 
 from dogbot_logtool.core import metrics, timespans
 from dogbot_logtool.core.arrays import Ints
@@ -15,13 +15,11 @@ from dogbot_logtool.core.checks.engine import null_because, questions_of
 from dogbot_logtool.core.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import no_gait, with_support
+from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
 from dogbot_logtool.core.records import copied, fields_of, unknown, void
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
-
-_PAIRS: Final = {"fore": (0, 1), "hind": (2, 3)}
-"""Corners, left and right, of the pairs of a quadruped."""
 
 
 def metrics_of(walk: Walk, log: metrics.Log, findings: Sequence[Finding]) -> metrics.WalkMetrics:
@@ -97,13 +95,13 @@ def _of_span(walk: Walk, within: Ints) -> dict[str, Any]:
 def _forces(walk: Walk, loads: WalkLoads, feet: Mapping[str, metrics.Foot]) -> metrics.Forces:
     """Return the loads of the whole robot over a span."""
     share, symmetry = unknown(metrics.LoadShare), {}
+    positions = [foot.leg_position for foot in walk.feet]
     if loads.shares is not None:
-        positions = [foot.leg_position for foot in walk.feet]
         fore, left = (share_of(word, loads.shares, positions) for word in ("front", "left"))
         share = metrics.LoadShare(dict(zip(feet, loads.shares, strict=True)), fore, left)
-    if walk.corners is not None:
-        corners = [list(feet.values())[corner] for corner in walk.corners]
-        symmetry = {name: _symmetry(*(corners[at] for at in pair)) for name, pair in _PAIRS.items()}
+    in_order = [list(feet.values())[row] for row in legs_in_order(positions) or ()]
+    if len(in_order) == 4:
+        symmetry = {"fore": _symmetry(*in_order[:2]), "hind": _symmetry(*in_order[2:])}
     return metrics.Forces(loads.vertical_impulse_over_weight, share, symmetry)
 
 

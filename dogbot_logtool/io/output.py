@@ -8,27 +8,23 @@ uploaded as one object, which is there when the store has all of it.
 import contextlib
 import os
 import re
-import stat
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 
-from dogbot_logtool.errors import CallError, LogtoolError, StoreError
+from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 
 if TYPE_CHECKING:
     from upath import UPath
 
-_OPEN_FILES: Final = Path("/proc/self/fd")
-"""The directory in which Linux names open files of a process, also those without another name."""
 _KNOWN: Final = re.compile(
     r"\.(7z|active|bag|bz2|csv|db3|gif|gz|html?|jpe?g|json|lz4|mcap|parquet|pdf|png|rviz|svg|tar|tgz|"
     r"toml|txt|xml|xz|ya?ml|zip|zstd?)"
 )
 """Suffixes that promise a format."""
-_ALIKE: Final = {".html": (".htm",), ".pdf": (".svg", ".png", ".jpg", ".jpeg", ".gif")}
-"""Suffixes beside one of ours that are as good."""
 
 
 def refuse_bad_target(
@@ -36,193 +32,130 @@ def refuse_bad_target(
     inputs: Sequence[Location] = (),
     *,
     overwrite: bool,
-    makes_folder: bool = False,
 ) -> None:
-    """Check a target before any work is done.
+    """Check a target before any work is done, and once more before it gets its name.
 
     Args:
         target: where the output is to be.
         inputs: what is read.
         overwrite: whether a file that is there may be replaced.
-        makes_folder: whether a directory that is missing is made.
 
     Raises:
         CallError: it is no regular file, is an input itself, exists and may not be overwritten, or
-            its directory does not exist.
+            lies in what is no directory.
     """
     try:
         if isinstance(target, Path):
-            there = _status_of(target) is not None
-            is_input = there and any(_is_file(target, source) for source in inputs)
+            is_there = _is_there(target)
+            is_input = is_there and any(_is_file(target, source) for source in inputs)
+            folder = next(filter(Path.exists, target.parents), target)
+            if folder.is_file():
+                raise CallError(f"{folder}: is a file, not a folder")
         else:
             is_input = target in inputs
-            there = not overwrite and storage.exists(target)
-        if is_input:
-            what = "is the input itself; choose another output"
-            raise CallError(f"{storage.name_of(target)}: {what}")
-        if there and not overwrite:
-            raise _exists_already(target)
-        if isinstance(target, Path):
-            _refuse_no_folder(target.parent, makes_folder=makes_folder)
+            is_there = not overwrite and storage.exists(target)
     except OSError as error:
         raise CallError(f"{target}: cannot be written: {error.strerror}") from error
+    name = storage.name_of(target)
+    if is_input:
+        raise CallError(f"{name}: is the input itself; choose another output")
+    if is_there and not overwrite:
+        raise CallError(f"{name}: exists already; --overwrite replaces it, or name another")
+
+
+def _is_there(target: Path) -> bool:
+    """Tell whether there is a file, or a link to one.
+
+    Raises:
+        CallError: it is no regular file.
+        OSError: it is a link to nothing, or this cannot be found out.
+    """
+    try:
+        target.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    storage.refuse_special(target)
+    return True
 
 
 def _is_file(target: Path, source: Location) -> bool:
     return isinstance(source, Path) and source.exists() and target.samefile(source)
 
 
-def _refuse_no_folder(folder: Path, *, makes_folder: bool) -> None:
-    if makes_folder:
-        folder = next(one for one in (folder, *folder.parents) if one.exists())
-    if not folder.is_dir():
-        what = "is a file, not a folder" if folder.exists() else "no such folder"
-        raise CallError(f"{folder}: {what}")
-
-
-def _exists_already(target: Location) -> CallError:
-    what = "exists already; --overwrite replaces it, or name another"
-    return CallError(f"{storage.name_of(target)}: {what}")
-
-
-def _status_of(target: Path) -> os.stat_result | None:
-    """Return the status of the file that a name leads to; None if there is none.
-
-    Raises:
-        CallError: there is something that is no regular file, or a link to nothing.
-        OSError: this cannot be found out.
-    """
-    try:
-        status = target.stat()
-    except (FileNotFoundError, NotADirectoryError):
-        if target.is_symlink():
-            raise CallError(
-                f"{target}: is a link to nothing; remove it, or name another output"
-            ) from None
-        return None
-    if stat.S_ISDIR(status.st_mode):
-        raise CallError(f"{target}: is a directory; name a file in it")
-    if not stat.S_ISREG(status.st_mode):
-        kind = storage.kind_of(status.st_mode)
-        raise CallError(f"{target}: is {kind}, not a file; name another output")
-    return status
-
-
 @contextlib.contextmanager
-def whole_file(
-    target: Location,
-    *,
-    overwrite: bool,
-    makes_folder: bool = False,
-) -> Iterator[BinaryIO]:
+def whole_file(target: Location, *, overwrite: bool) -> Iterator[BinaryIO]:
     """Open a file that becomes the target when the block ends without an error.
 
-    On any error or interruption nothing of it stays. A URL is uploaded while it is written. A file
-    that is replaced hands on its permissions; a link stays one: what it leads to is replaced.
+    On any error or interruption nothing of it stays. A URL is uploaded while it is written. A
+    directory that is missing is made; a link stays one: what it leads to is replaced.
 
     Args:
         target: where the output is to be.
         overwrite: replace a file that is there.
-        makes_folder: make its directory if it is missing.
 
     Raises:
         LogtoolError: the file cannot be written, a full disk for instance.
         CallError: the target has come to exist in the meantime and may not be overwritten.
     """
-    if not isinstance(target, Path):
-        with _uploaded_object(target, overwrite=overwrite) as file:
-            yield file
-        return
+    opened = (
+        _file_on_disk(target, overwrite=overwrite)
+        if isinstance(target, Path)
+        else _uploaded_object(target, overwrite=overwrite)
+    )
     try:
-        replaced = _status_of(target) if overwrite else None
-        path = target.resolve() if overwrite and target.is_symlink() else target
-        parents = path.parents if makes_folder else path.parents[:1]
-        folder = next(filter(Path.is_dir, parents), path.parent)
-        # Known before it is there, so that an interruption in between leaves nothing.
-        part = folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
-        try:
-            with _nameless(folder) or part.open("xb") as file:
-                if replaced is not None and hasattr(os, "fchmod"):  # not on Windows
-                    os.fchmod(file.fileno(), stat.S_IMODE(replaced.st_mode))
-                yield file
-                file.flush()
-                # A power failure leaves a whole file, the one before, or none.
-                os.fsync(file.fileno())
-                if makes_folder:
-                    path.parent.mkdir(parents=True, exist_ok=True)
-                if not part.exists():
-                    _give_name(file, part)
-            if overwrite:
-                part.replace(path)
-            elif not _take_free_name(part, path):
-                raise _exists_already(target)
-        finally:
-            with contextlib.suppress(OSError):
-                part.unlink()
-    except OSError as error:
-        raise LogtoolError(f"{target}: cannot be written: {error.strerror or error}") from error
+        with opened as file:
+            yield file
+    except (NotImplementedError, OSError) as error:
+        why = getattr(error, "strerror", None) or str(error) or "the store takes no files"
+        raise LogtoolError(f"{storage.name_of(target)}: cannot be written: {why}") from error
+
+
+@contextlib.contextmanager
+def _file_on_disk(target: Path, *, overwrite: bool) -> Iterator[BinaryIO]:
+    path = target.resolve()
+    folder = next(filter(Path.is_dir, path.parents))
+    # Known before it is there, so that an interruption in between leaves nothing.
+    part = folder / f".dogbot-logtool.{os.urandom(8).hex()}.part"
+    try:
+        with _nameless(folder) or part.open("xb") as file:
+            yield file
+            file.flush()
+            # A power failure leaves a whole file, the one before, or none.
+            os.fsync(file.fileno())
+            if not part.exists():
+                # Only with a descriptor does Python follow the link that stands for an open file.
+                number = file.fileno()
+                os.link(f"/proc/self/fd/{number}", part, src_dir_fd=number, follow_symlinks=True)
+        refuse_bad_target(target, overwrite=overwrite)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.replace(path)
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink()
 
 
 def _nameless(folder: Path) -> BinaryIO | None:
-    flag = getattr(os, "O_TMPFILE", None)
-    if flag is None or not _OPEN_FILES.is_dir():
-        return None
-    # Where a filesystem has no such thing, the file is named; other faults show again.
-    with contextlib.suppress(OSError):
-        return os.fdopen(os.open(folder, flag | os.O_WRONLY, 0o666), "wb")
+    # Where a system or a filesystem has no such thing, the file is named; other faults show again.
+    with contextlib.suppress(AttributeError, OSError):
+        return os.fdopen(os.open(folder, os.O_TMPFILE | os.O_WRONLY, 0o666), "wb")
     return None
-
-
-def _give_name(file: BinaryIO, name: Path) -> None:
-    """Give a file a name that has none yet."""
-    folder = os.open(name.parent, os.O_RDONLY)
-    try:
-        # Only with a directory given does Python follow the link that stands for an open file.
-        source = _OPEN_FILES / str(file.fileno())
-        os.link(source, name.name, dst_dir_fd=folder, follow_symlinks=True)
-    finally:
-        os.close(folder)
-
-
-def _take_free_name(name: Path, path: Path) -> bool:
-    """Give a file another name; tell whether that was free."""
-    try:
-        os.link(name, path)
-    except FileExistsError:
-        return False
-    except OSError:  # a filesystem without hard links
-        if os.path.lexists(path):
-            return False
-        name.replace(path)
-    return True
 
 
 @contextlib.contextmanager
 def _uploaded_object(target: "UPath", *, overwrite: bool) -> Iterator[BinaryIO]:
     target.fs.invalidate_cache()
+    file: Any = target.fs.open(target.path, "wb", autocommit=False)
     try:
-        file = target.fs.open(target.path, "wb", autocommit=False)
-        try:
-            yield file
-            file.close()
-            refuse_bad_target(target, overwrite=overwrite)
-            file.commit()
-        except BaseException:
-            _discard(file)
-            raise
-    except NotImplementedError as error:
-        what = "this kind of store is read only"
-        raise StoreError(f"{storage.name_of(target)}: cannot be written: {what}") from error
-    except OSError as error:
-        what = str(error) or "no reason given"
-        raise StoreError(f"{storage.name_of(target)}: cannot be written: {what}") from error
-
-
-def _discard(file: Any) -> None:  # noqa: ANN401 - a file of fsspec, or of one of its stores
-    # A later close must not complete the upload.
-    with contextlib.suppress(AttributeError):
-        file.closed = True
-    file.discard()
+        yield file
+        file.close()
+        refuse_bad_target(target, overwrite=overwrite)
+        file.commit()
+    except BaseException:
+        # A later close must not complete the upload.
+        with contextlib.suppress(AttributeError):
+            file.closed = True
+        file.discard()
+        raise
 
 
 class Output(NamedTuple):
@@ -256,8 +189,10 @@ def output_at(word: str | None, ending: str, *, several: bool) -> Output:
     if ends_in_slash(word) or (isinstance(path, Path) and storage.is_folder(path)):
         return Output(path, is_folder=True)
     suffix = "." + ending.rpartition(".")[2]
-    refuse_other_format(path, suffix)
+    _refuse_other_format(path, suffix)
     is_file = path.suffix == suffix or (not several and isinstance(path, Path))
+    if is_file:
+        _refuse_no_folder(path)
     return Output(path, is_folder=not is_file)
 
 
@@ -266,10 +201,8 @@ def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
 
     The contents of a directory, a glob or a list may change; results go to the same path still.
     """
-    if len(words) > 1 or len(logs) > 1:
-        return True
-    named, found = storage.location(words[0]), logs[0]
-    return storage.from_root(named) != storage.from_root(found)
+    is_one = len(words) == len(logs) == 1
+    return not is_one or storage.location(words[0]).absolute() != logs[0].absolute()
 
 
 def output_file(
@@ -277,18 +210,32 @@ def output_file(
 ) -> Path | None:
     """Return the file that -o names; None: none, which is stdout.
 
+    Args:
+        word: as given.
+        suffix: of what is written; empty: the caller looks after it.
+        inputs: what is read.
+        overwrite: whether a file that is there may be replaced.
+
     Raises:
-        CallError: the word names no file, promises another format than that of a suffix, or the
-            file may not be written; see `refuse_bad_target`.
+        CallError: the word names no file, promises another format, or the file may not be written;
+            see `refuse_bad_target`.
     """
     if word is None:
         return None
     refuse_no_name(word)
     if ends_in_slash(word):
         raise CallError(f"{word}: is a directory's name; name a file in it")
-    refuse_other_format(Path(word), suffix)
-    refuse_bad_target(Path(word), inputs, overwrite=overwrite)
-    return Path(word)
+    path = Path(word)
+    _refuse_other_format(path, suffix)
+    _refuse_no_folder(path)
+    refuse_bad_target(path, inputs, overwrite=overwrite)
+    return path
+
+
+def _refuse_no_folder(path: Location) -> None:
+    """Refuse a file's name whose directory is missing: perhaps it is not what was meant."""
+    if isinstance(path, Path) and not path.parent.exists():
+        raise CallError(f"{path.parent}: no such folder")
 
 
 def refuse_no_name(word: str) -> None:
@@ -303,19 +250,10 @@ def refuse_no_name(word: str) -> None:
         raise CallError("-: does not stand for stdout here; name a file")
 
 
-def refuse_other_format(target: Location, suffix: str) -> None:
-    """Refuse a name whose suffix promises another format.
-
-    Args:
-        target: the name.
-        suffix: a usual one of what is written.
-
-    Raises:
-        CallError: it does.
-    """
+def _refuse_other_format(target: Location, suffix: str) -> None:
+    """Refuse a name whose suffix promises another format than that of `suffix`."""
     promised = target.suffix.lower()
-    alike = (suffix, *_ALIKE.get(suffix, ()))
-    if _KNOWN.fullmatch(promised) and promised not in alike:
+    if suffix and _KNOWN.fullmatch(promised) and promised != suffix:
         name = f"{target.stem.removesuffix(suffix)}{suffix}"
         raise CallError(
             f"{storage.name_of(target)}: the name ends in {promised}, but {suffix} is written; "
@@ -351,20 +289,12 @@ def targets(
         return [(logs[0], output.path)]
     folders = below or [PurePath()] * len(logs)
     pairs = [
-        (log, _below(output.path, folder) / f"{storage.file_stem(log)}{ending}")
+        # A store takes the dot of an empty path for a name.
+        (log, output.path.joinpath(*folder.parts, f"{storage.file_stem(log)}{ending}"))
         for log, folder in zip(logs, folders, strict=True)
     ]
-    taken: set[Location] = set()
-    for log, target in pairs:
-        if target in taken:
-            raise CallError(
-                f"{storage.name_of(log)}: another log has the same name, so both would go to "
-                f"{storage.name_of(target)}"
-            )
-        taken.add(target)
+    for target, count in Counter(target for _, target in pairs).items():
+        if count > 1:
+            what = f"{count} logs of one name would go there"
+            raise CallError(f"{storage.name_of(target)}: {what}; call it for each")
     return pairs
-
-
-def _below(folder: Location, below: PurePath) -> Location:
-    # A store takes a dot for a name.
-    return folder / below if below.parts else folder

@@ -3,16 +3,13 @@
 fsspec comes with the extra `fleet` and is imported only when a URL is met.
 """
 
-import errno
 import os
 import re
 import stat
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final, NamedTuple, TypeVar
-from urllib.parse import urlsplit
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, ExtraMissingError, LogtoolError, StoreError
 
@@ -23,14 +20,6 @@ if TYPE_CHECKING:
 else:
     Location = Path
 
-Result = TypeVar("Result")
-
-TRIES: Final = 5
-"""A request is made so often before the store is given up."""
-FIRST_WAIT_S: Final = 0.2
-"""Each wait is twice as long as the one before."""
-ANSWER_WITHIN_S = 120.0
-"""A request that takes longer has stalled."""
 _URL: Final = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 """One letter is a drive of Windows."""
 _CREDENTIALS: Final = r"(?<=://)[^/?#]*@"
@@ -40,20 +29,9 @@ _CREDENTIALS_WITHIN: Final = r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2})[^\s/?#]*@"
 _QUERY_WITHIN: Final = (
     r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2}[^\s?#]*)[?#]\S*?(?=[\]:;,.)'\"]*(?:\s|$))"
 )
-_KINDS: Final = {
-    stat.S_IFDIR: "a directory",
-    stat.S_IFIFO: "a named pipe",
-    stat.S_IFSOCK: "a socket",
-    stat.S_IFCHR: "a device",
-    stat.S_IFBLK: "a device",
-}
-_STORES: Final = ("aiohttp", "botocore", "aiobotocore", "gcsfs")
-"""Packages that raise errors of their own where a store or the network fails."""
+_WEB: Final = ("http", "https")
 _ABSENT: Final = (404, 410)
 """HTTP's codes for what is not there."""
-_DENIED: Final = (401, 403, 407)
-_LATER: Final = (408, 425, 429)
-"""HTTP's codes for what may be asked for again later."""
 
 
 def location(word: str) -> Location:
@@ -62,22 +40,13 @@ def location(word: str) -> Location:
     Raises:
         ExtraMissingError: it is a URL, and what reads URLs is not installed.
         CallError: it is a URL of a sort that nothing installed reads, or no valid one.
-        StoreError: its store cannot be opened.
     """
     if not _URL.match(word):
         return Path(word)
-    try:
-        parts = urlsplit(word)
-        if parts.scheme in {"http", "https"}:
-            _ = parts.port  # is checked only when it is asked for
-    except ValueError as error:
-        raise CallError(f"{name_of(word)}: is no valid URL ({error})") from error
-    if not (parts.netloc or parts.path):
-        raise CallError(f"{parts.scheme}://: names no host, bucket or file")
-    if parts.scheme == "file":
+    if word.startswith("file:"):
         from urllib.request import url2pathname  # noqa: PLC0415 - takes long
 
-        return Path(url2pathname(parts.path))
+        return Path(url2pathname(word.removeprefix("file://")))
     try:
         from upath import UPath  # noqa: PLC0415 - only URLs need it
     except ImportError as error:
@@ -85,19 +54,9 @@ def location(word: str) -> Location:
     try:
         path = UPath(word)
         path.fs  # noqa: B018 - finds out whether its filesystem is installed
-    except ImportError as error:
-        raise CallError(f"{name_of(word)}: {error}") from error
-    except ValueError as error:
-        raise CallError(f"{name_of(word)}: is a URL of no known kind ({error})") from error
-    except (AttributeError, OSError) as error:
-        # upath cannot tell its parts, or it is a file within another one that cannot be had.
-        raise StoreError(f"{name_of(word)}: cannot be opened: {error}") from error
+    except (AttributeError, ImportError, OSError, ValueError) as error:
+        raise CallError(f"{name_of(word)}: cannot be opened: {error}") from error
     return path
-
-
-def from_root(path: Location) -> Location:
-    """Return an absolute path, the same for all processes."""
-    return path.absolute() if isinstance(path, Path) else path
 
 
 def identity(path: Location) -> str:
@@ -108,11 +67,7 @@ def identity(path: Location) -> str:
     """
     if not isinstance(path, Path):
         return re.sub(_CREDENTIALS, "", str(path), count=1)
-    try:
-        return os.path.realpath(path)
-    except (OSError, ValueError):
-        # A name that no disk takes; opening it will say so.
-        return str(path)
+    return os.path.realpath(path)
 
 
 def name_of(path: Location | str) -> str:
@@ -165,7 +120,8 @@ def facts(path: Location) -> Facts:
     if isinstance(path, Path):
         status = path.stat()
         return Facts(stat.S_ISDIR(status.st_mode), status.st_size, str(status.st_mtime_ns))
-    info = asked(path, lambda: path.fs.info(path.path))
+    with asking(path):
+        info = path.fs.info(path.path)
     tags = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "created")
     tag = next((str(info[name]) for name in tags if info.get(name)), "")
     size = info.get("size")
@@ -178,7 +134,8 @@ def exists(path: "UPath") -> bool:
     Raises:
         StoreError: the store fails.
     """
-    return bool(asked(path, lambda: path.fs.exists(path.path)))
+    with asking(path):
+        return bool(path.fs.exists(path.path))
 
 
 def is_folder(path: Location) -> bool:
@@ -201,7 +158,8 @@ def files_in(folder: Location) -> list[Location]:
     """
     if isinstance(folder, Path):
         return sorted(file for file in folder.iterdir() if file.is_file())
-    entries = asked(folder, lambda: folder.fs.ls(folder.path, detail=True))
+    with asking(folder):
+        entries = folder.fs.ls(folder.path, detail=True)
     names = [entry["name"].rpartition("/")[2] for entry in entries if entry["type"] == "file"]
     return [folder / name for name in sorted(names) if name]
 
@@ -215,55 +173,41 @@ def open_file(path: Path) -> BinaryIO:
         CallError: it does not exist, may not be read, or is not a regular file.
     """
     try:
-        # A device may react to being opened, so its kind is looked up before; and again after,
-        # because the name may by then stand for something else.
-        _refuse_special(path, path.stat().st_mode)
-        flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-        file = os.fdopen(os.open(path, flags), "rb")
+        refuse_special(path)  # A device may react to being opened.
+        return path.open("rb")
     except FileNotFoundError as error:
         raise CallError(f"{path}: no such file") from error
     except OSError as error:
-        if error.errno == errno.ENXIO:
-            raise CallError(f"{path}: is not a regular file") from error
         raise CallError(f"{path}: cannot be opened: {error.strerror}") from error
-    except ValueError as error:
-        raise CallError(f"{path}: cannot be opened: {error}") from error
-    try:
-        _refuse_special(path, os.fstat(file.fileno()).st_mode)
-    except CallError:
-        file.close()
-        raise
-    return file
 
 
-def kind_of(mode: int) -> str:
-    """Return what a file is that is no regular one: ``a named pipe``."""
-    return _KINDS.get(stat.S_IFMT(mode), "of another kind")
-
-
-def _refuse_special(path: Path, mode: int) -> None:
-    if stat.S_ISREG(mode):
-        return
-    kind = kind_of(mode)
-    remedy = "" if stat.S_ISDIR(mode) else "; save its content to a file first"
-    raise CallError(f"{path}: is {kind}, not a regular file{remedy}")
-
-
-def content(path: Location, most: int) -> bytes | None:
-    """Return all bytes of a file; None if there are more than `most`.
+def refuse_special(path: Path) -> None:
+    """Refuse what is no regular file.
 
     Raises:
-        CallError: there is no such file, or it is not a regular one.
-        StoreError: the store fails.
-        OSError: the disk fails.
+        CallError: it is none.
+        OSError: there is nothing, or it cannot be seen.
     """
-    if isinstance(path, Path):
-        with open_file(path) as file:
-            size = os.fstat(file.fileno()).st_size
-            return file.read(size) if size <= most else None
-    if (facts(path).size or 0) > most:
-        return None
-    return bytes(asked(path, lambda: path.fs.cat_file(path.path)))
+    mode = path.stat().st_mode
+    if not stat.S_ISREG(mode):
+        kind = "a directory" if stat.S_ISDIR(mode) else "a pipe, a socket or a device"
+        raise CallError(f"{path}: is {kind}, not a regular file")
+
+
+def content(path: Location, most: int) -> bytes:
+    """Return all bytes of a file.
+
+    Raises:
+        CallError: there is no such file, it is not a regular one, or has more bytes than `most`.
+        StoreError: the store or the disk fails.
+    """
+    with asking(path):
+        opened = open_file(path) if isinstance(path, Path) else path.fs.open(path.path, "rb")
+        with opened as file:
+            data: bytes = file.read(most + 1)
+    if len(data) > most:
+        raise CallError(f"{name_of(path)}: is larger than {most >> 10} kB")
+    return data
 
 
 def version(path: Location) -> tuple[int, str]:
@@ -283,59 +227,31 @@ def version(path: Location) -> tuple[int, str]:
     return sum(part[0] for part in parts), " ".join(part[1] for part in parts)
 
 
-def asked(path: Location, request: Callable[[], Result]) -> Result:
-    """Return what a store answers; a request that fails or stalls is made again, a few times.
+@contextmanager
+def asking(path: "Location") -> Iterator[None]:
+    """Say in a sentence what a store, or what asks it, raises in the block.
 
     Raises:
         CallError: there is no such object, or it may not be had.
-        StoreError: the store has failed `TRIES` times.
+        StoreError: the store fails.
     """
-    for left in reversed(range(TRIES)):
-        try:
-            return request()
-        except Exception as error:
-            failure = _failure(path, error)
-            if failure is None:
-                raise
-            if not left or not isinstance(failure, StoreError):
-                raise failure from error
-            time.sleep(FIRST_WAIT_S * 2.0 ** (TRIES - 1 - left))
-    raise AssertionError("unreachable: the last try returns or raises")
-
-
-def _failure(path: Location, error: BaseException) -> LogtoolError | None:
-    """Return what to say of a store's error; None: it is none, but a fault of ours."""
-    cause = error.__cause__
-    # fsspec makes "no such file" of all that a server refuses.
-    if isinstance(error, FileNotFoundError) and cause is not None:
-        error = cause if isinstance(cause, TimeoutError) or _is_web(cause) else error
-    status = getattr(error, "status", 0) if _is_web(error) else 0
-    if isinstance(error, FileNotFoundError) or status in _ABSENT:
-        return CallError(f"{name_of(path)}: no such file")
-    what = _first_line(error)
-    if isinstance(error, PermissionError) or status in _DENIED:
-        return CallError(f"{name_of(path)}: access is denied ({what})")
-    if 400 <= status < 500 and status not in _LATER:
-        return CallError(f"{name_of(path)}: the server refuses the request ({what})")
-    if isinstance(error, OSError) or _package_of(error) in _STORES:
-        return StoreError(f"{name_of(path)}: the store fails: {what}")
-    return None
-
-
-def _is_web(error: BaseException) -> bool:
-    """Tell whether an error comes from the client of web servers."""
-    return _package_of(error) == "aiohttp"
-
-
-def _package_of(error: BaseException) -> str:
-    return type(error).__module__.partition(".")[0]
-
-
-def _first_line(error: BaseException) -> str:
-    status, message = getattr(error, "status", None), getattr(error, "message", None)
-    # The text of an answer has the URL, and in that perhaps a signature.
-    text = f"{status} {message}" if status and message else without_secrets(str(error))
-    return (text.splitlines() or [""])[0] or type(error).__name__
+    try:
+        yield
+    except LogtoolError:
+        raise
+    except Exception as error:
+        cause: Any = error
+        if isinstance(error, FileNotFoundError) and getattr(path, "protocol", "") in _WEB:
+            cause = error.__cause__ or error  # fsspec makes this of whatever a server answers
+        status = getattr(cause, "status", 0)
+        if isinstance(cause, FileNotFoundError) or status in _ABSENT:
+            raise CallError(f"{name_of(path)}: no such file") from error
+        # The text of an answer has the URL, and in that perhaps a signature.
+        what = f"{status} {cause.message}" if status else without_secrets(str(cause))
+        what = what.partition("\n")[0] or type(cause).__name__
+        if isinstance(cause, PermissionError) or 400 <= status < 500:
+            raise CallError(f"{name_of(path)}: the store refuses the request: {what}") from error
+        raise StoreError(f"{name_of(path)}: the store fails: {what}") from error
 
 
 @contextmanager

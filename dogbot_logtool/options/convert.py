@@ -35,8 +35,6 @@ class ConvertOptions(MeasureOptions):
     """Of the output; default: zstd, and chunks copied from an MCAP as they are."""
     overwrite: Flag = False
     """Replace the output if it exists."""
-    makes_folder: bool = False
-    """Whether the output's directory is made if it is missing."""
 
     @property
     def copied_topics(self) -> tuple[str, ...]:

@@ -191,7 +191,7 @@ def _add_joints(part: Part, batch: Batch, wanted: Wanted) -> None:
             part.add_malformed(malformed)
             names = read.names[:MOST_JOINTS]
             if names and len(read.samples.log_time):
-                samples = read.samples.only(np.arange(len(names)))
+                samples = read.samples.only(slice(MOST_JOINTS))
                 part.columns["joints", (read.topic, names)].append(samples)
 
 

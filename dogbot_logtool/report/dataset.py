@@ -113,7 +113,7 @@ class Dataset(NamedTuple):
             LogtoolError: they cannot be written.
         """
         state = {"state": entry.state, "damaged": damaged}
-        path = storage.name_of(storage.from_root(entry.location))
+        path = storage.name_of(entry.location.absolute())
         for table in TABLES:
             if table not in tables:
                 self._remove(table, entry.log_hash)
@@ -182,7 +182,7 @@ class Dataset(NamedTuple):
         file = self._file("logs", log_hash)
         try:
             content = storage.content(file, _MOST_BYTES)
-            rows = pq.read_table(io.BytesIO(content or b""), use_threads=False)
+            rows = pq.read_table(io.BytesIO(content), use_threads=False)
         except CallError:
             return None
         except (OSError, pa.ArrowException) as error:
@@ -194,7 +194,7 @@ class Dataset(NamedTuple):
         buffer = io.BytesIO()
         marked = rows.replace_schema_metadata({_STATE: json.dumps(state)})
         pq.write_table(marked, buffer, compression="zstd", write_statistics=False)
-        with whole_file(self._file(table, log_hash), overwrite=True, makes_folder=True) as file:
+        with whole_file(self._file(table, log_hash), overwrite=True) as file:
             file.write(buffer.getvalue())
 
     def _remove(self, table: str, log_hash: str) -> None:
@@ -203,8 +203,8 @@ class Dataset(NamedTuple):
         if isinstance(file, Path):
             file.unlink(missing_ok=True)
             return
-        with suppress(CallError):
-            storage.asked(file, lambda: file.fs.rm_file(file.path))
+        with suppress(CallError), storage.asking(file):
+            file.fs.rm_file(file.path)
 
 
 def dataset_at(root: Location, options: MeasureOptions, labels: Labels) -> Dataset:

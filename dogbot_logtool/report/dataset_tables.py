@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from dogbot_logtool.core.event import with_steps
+from dogbot_logtool.core.events import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import Field, fields_of, is_record, to_json
 from dogbot_logtool.errors import ExtraMissingError

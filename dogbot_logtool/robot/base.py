@@ -14,16 +14,16 @@ from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, choices, path_source
+from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.reader.messages.table import types_of
+from dogbot_logtool.reader.messages.source import Source
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
+    Topic,
     first_messages,
-    message_count,
-    readable_source,
     require_topic,
     split_topic,
+    topics_of,
 )
 from dogbot_logtool.robot.words import VOCABULARY, texts_of, word_set
 
@@ -65,40 +65,41 @@ class ChosenBase(NamedTuple):
     robot: Robot
     channels: tuple[Channel, ...] = ()
     base: Base | None = None
-    offered: str = ""
-    """Poses that are likely the base's and are not taken unasked, as ``--odom-topic`` takes them;
-    empty: there are none, or a base is known."""
 
 
 class _Candidate(NamedTuple):
     """Poses that may be the base's."""
 
-    topic: str
-    source: Source
-    element: str = ""
+    topic: Topic
     rank: tuple[int, ...] = (_SURE,)
-    """Whether they surely are, perhaps, or never; then what sorts those of a type."""
+    """Whether they surely are, perhaps, or never; then what sorts those of a topic."""
+    element: str = ""
     frames: tuple[str, ...] = ()
     """Of a transform, parent and child."""
 
     @property
     def name(self) -> str:
         """The name as ``--odom-topic`` takes it."""
-        return f"{self.topic}:{self.element}" if self.element else self.topic
+        return f"{self.topic.name}:{self.element}" if self.element else self.topic.name
+
+    @property
+    def row(self) -> MessageType:
+        """What is known of the type of the messages."""
+        return self.topic.source.row
 
     @property
     def is_planned(self) -> bool:
         """Whether its poses are what a planner wants."""
-        words = texts_of(self.topic)
-        always = self.source.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)
+        words = texts_of(self.topic.name)
+        always = self.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)
         return always or not words.isdisjoint(_PLANNED_WORDS)
 
     @property
     def robot(self) -> str:
         """What tells several robots' poses of one type apart; empty: they are all the base's."""
-        if self.source.is_transform:
+        if self.topic.source.is_transform:
             return self.frames[1].lstrip("/").rpartition("/")[0]
-        return self.name if self.source.row.anything or self.frames else ""
+        return self.name if self.row.anything or self.frames else ""
 
 
 def choose_base(
@@ -120,13 +121,14 @@ def choose_base(
     named = robot.odometry_topic
     try:
         if named:
-            return _chosen(log, robot, _named(log, robot, named), findings)
+            return _chosen(robot, _named(log, robot, named), findings)
     except (CallError, LogError):
         if is_asked:
             raise
-    every = sorted(_candidates(log, robot, feet), key=lambda each: (each.rank[0], each.is_planned))
-    own = [each for each in every if not _is_of_another_robot(each.topic, feet)]
-    if foreign := [each.topic for each in every if each not in own]:
+    every = [each for each in _candidates(log, robot, feet) if each.rank[0] != _NEVER]
+    every.sort(key=lambda each: (each.rank[0], each.is_planned))
+    own = [each for each in every if not _is_of_another_robot(each.topic.name, feet)]
+    if foreign := [each.topic.name for each in every if each not in own]:
         case, say = ((), "plain") if own else (("alone",), "alone")
         names, whose = listed([each.name for each in own]), _namespace_of(next(iter(feet)))
         told = {"topics": listed(foreign), "whose": whose, "own": names}
@@ -135,13 +137,13 @@ def choose_base(
         is_there = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
         poses = f", unless these poses are the base's: {_options(own)}" if own else ""
         findings.append(found("NO_BASE", say="unread" if is_there else "plain", poses=poses))
-        return ChosenBase(robot, offered=_likely_base(own, feet))
+        return ChosenBase(robot)
     best, *others = own
-    text = f"the base's poses are taken from {best.name} ({best.source.row.name})"
+    text = f"the base's poses are taken from {best.name} ({best.row.name})"
     text += f", since the robot's {named} is missing or cannot be used" if named else ""
     text += f"; there are also {_options(others)}" if others else ""
-    findings.append(Finding("TOPICS_CHOSEN", text, best.topic))
-    return _chosen(log, robot, best, findings)
+    findings.append(Finding("TOPICS_CHOSEN", text, best.topic.name))
+    return _chosen(robot, best, findings)
 
 
 def _named(log: Log, robot: Robot, name: str) -> _Candidate:
@@ -154,73 +156,65 @@ def _named(log: Log, robot: Robot, name: str) -> _Candidate:
     topic, element = split_topic(name, log.channels_by_topic)
     if not element or topic not in log.channels_by_topic:
         require_topic(log, "--odom-topic", topic, "base")
+    told = [each for each in topics_of(log, "base") if each.name == topic]
     where = f"{name_of(log.source.path)}: --odom-topic: {topic}"
-    sources, reason = _sources_at(log.channels_by_topic[topic], element)
-    if not sources:
-        raise CallError(f"{where}: {reason}")
-    source = next(iter(sources.values()))
-    if not source.row.choose:
-        return _Candidate(topic, source, element)
-    every, element = _settled(_elements_of(log, robot, topic, source), ()), element.lstrip("/")
+    if element and not (told and told[0].source.row.choose):
+        try:
+            return _Candidate(_at_path(log.channels_by_topic[topic], element), element=element)
+        except DefinitionError as reason:
+            raise CallError(f"{where}: {reason}") from None
+    if not told[0].source.row.choose:
+        return _Candidate(told[0])
+    every, element = _clear(_elements_of(log, robot, told[0]), ()), element.lstrip("/")
     for each in every:
         if each.element == element if element else each.rank[0] == _SURE:
             return each
     known = listed(sorted(each.element for each in every), _MOST_LISTED) or "none"
-    if element:
-        raise CallError(f"{where} has no {element}; it has {known}")
-    raise CallError(
-        f"{where} is of type {source.row.name}, and which of its poses is the "
-        f"base's is not known: name one as {topic}:NAME; it has {known}"
-    )
+    what = element or f"pose that is surely the base's, so {topic}:NAME names one"
+    raise CallError(f"{where} has no {what}; it has {known}")
 
 
-def _chosen(log: Log, robot: Robot, candidate: _Candidate, findings: list[Finding]) -> ChosenBase:
+def _at_path(channels: Sequence[Channel], path: str) -> Topic:
+    """Return the poses at a path in the messages of some channels of a topic.
+
+    Raises:
+        DefinitionError: none of them has any.
+    """
+    sources: dict[Channel, Source] = {}
+    for channel in channels:
+        try:
+            sources[channel] = path_source(channel, path)
+        except DefinitionError as error:
+            reason = error
+    if not sources:
+        raise reason
+    return Topic(channels[0].topic, next(iter(sources.values())), tuple(sources))
+
+
+def _chosen(robot: Robot, candidate: _Candidate, findings: list[Finding]) -> ChosenBase:
     """Return what is read of a candidate, with findings about what its poses are."""
-    source, topic = candidate.source, candidate.topic
-    sources, _ = _sources_at(log.channels_by_topic[topic], candidate.element)
-    channels = tuple(
-        channel
-        for channel, like in sources.items()
-        if like.row.name == source.row.name and like.columns == source.columns
-    )
+    topic, row = candidate.topic, candidate.row
     if candidate.is_planned:
-        findings.append(found("PLANNED", "base", where=topic, name=candidate.name))
-    if remark := source.row.remark:
-        findings.append(Finding("TOPICS_CHOSEN", f"{candidate.name}: {remark}", topic))
-    if not source.has_header:
-        findings.append(found("LOG_TIME_USED", "no_header", say="type", type=source.row.name))
-    if source.is_transform:
+        findings.append(found("PLANNED", "base", where=topic.name, name=candidate.name))
+    if row.remark:
+        findings.append(Finding("TOPICS_CHOSEN", f"{candidate.name}: {row.remark}", topic.name))
+    if not topic.source.has_header:
+        findings.append(found("LOG_TIME_USED", "no_header", say="type", type=row.name))
+    if topic.source.is_transform:
         parent, child = (frame.lstrip("/") for frame in candidate.frames)
         robot = replace(robot, world_frame=parent, base_frame=child)
         if "footprint" in child:
             text = f"{child} is the base's projection on the ground: height, roll and pitch are "
-            findings.append(Finding("TOPICS_CHOSEN", f"{text}those of the ground", topic))
-    return ChosenBase(robot, channels, Base(source, candidate.element))
+            findings.append(Finding("TOPICS_CHOSEN", f"{text}those of the ground", topic.name))
+    return ChosenBase(robot, topic.channels, Base(topic.source, candidate.element))
 
 
 def _options(candidates: Sequence[_Candidate]) -> str:
     """Return the words that choose some candidates."""
-    planned = (" (planned)" if each.is_planned else "" for each in candidates)
     words = [
-        f"--odom-topic {each.name}{note}" for each, note in zip(candidates, planned, strict=True)
+        f"--odom-topic {each.name}{' (planned)' if each.is_planned else ''}" for each in candidates
     ]
     return listed(words, _MOST_OFFERED)
-
-
-def _sources_at(channels: Sequence[Channel], element: str) -> tuple[dict[Channel, Source], str]:
-    """Return how those channels are read that have an element, and why others are not."""
-    sources, reason = {}, "it holds no poses that are known"
-    for channel in channels:
-        source = source_of(channel, "base")
-        try:
-            if element and not (source and source.row.choose):
-                source = path_source(channel, element)
-        except DefinitionError as error:
-            source, reason = None, str(error)
-        if source is not None and not source.fault:
-            sources[channel] = source
-        reason = source.fault if source and source.fault else reason
-    return sources, reason
 
 
 # --- by types and names --------------------------------------------------------------------------
@@ -228,56 +222,50 @@ def _sources_at(channels: Sequence[Channel], element: str) -> tuple[dict[Channel
 
 def _candidates(log: Log, robot: Robot, feet: Collection[str]) -> Iterator[_Candidate]:
     """Yield the poses that may be the base's, those of better types first."""
-    by_type: dict[str, dict[str, Source]] = {name: {} for name in types_of("base")}
-    for channel in log.channels.values():
-        source = readable_source(channel, "base")
-        if source and not is_static(channel):
-            by_type[source.row.name].setdefault(channel.topic, source)
-    for sources in by_type.values():
-        of_type: list[_Candidate] = []
-        for topic, source in sorted(sources.items()):
-            if source.row.choose:
-                of_type += _elements_of(log, robot, topic, source)
-            else:
-                of_type.append(_Candidate(topic, source, rank=_rank_of_topic(log, topic, source)))
-        yield from (each for each in _settled(of_type, feet) if each.rank[0] != _NEVER)
+    by_type: dict[str, list[_Candidate]] = {}
+    for topic in topics_of(log, "base"):
+        if is_static(topic.channels[0]):
+            continue
+        of_type = by_type.setdefault(topic.source.row.name, [])
+        if topic.source.row.choose:
+            of_type += _elements_of(log, robot, topic)
+        else:
+            of_type.append(_Candidate(topic, (_doubt(topic),)))
+    for of_type in by_type.values():
+        yield from _clear(of_type, feet)
 
 
-def _settled(of_type: Sequence[_Candidate], feet: Collection[str]) -> list[_Candidate]:
+def _clear(of_type: Sequence[_Candidate], feet: Collection[str]) -> list[_Candidate]:
     """Sort poses of one type; of two robots', or of two objects', none is surely the base's."""
     sure = [each for each in of_type if each.rank[0] == _SURE]
-    several = any(each.robot or each.source.row.name == ODOMETRY_TYPE for each in sure)
-    same = _of_same_robot(sure, feet if several else ())
-    is_clear = len({each.robot for each in same}) == 1
-    doubtful = [each for each in sure if not (is_clear and each in same)]
+    same = _of_same_robot(sure, feet)
+    if len({each.robot for each in same}) > 1:
+        same = []
     ranked = sorted(of_type, key=lambda each: each.rank)
     return [
-        each._replace(rank=(_PERHAPS, *each.rank[1:])) if each in doubtful else each
+        each if each in same else each._replace(rank=(max(each.rank[0], _PERHAPS), *each.rank[1:]))
         for each in ranked
     ]
 
 
-def _rank_of_topic(log: Log, topic: str, source: Source) -> tuple[int, ...]:
-    """Rank the poses that each message of a topic has one of."""
-    if source.row.name == ODOMETRY_TYPE:
-        return _SURE, -message_count(log, topic), len(topic)
-    words = texts_of(topic)
+def _doubt(topic: Topic) -> int:
+    """Tell whether a topic whose messages have one pose each surely tells of the base."""
+    words, row = texts_of(topic.name), topic.source.row
     named = not words.isdisjoint(_BASE_WORDS) or words == {"pose"}
-    is_other = source.row.anything and not (named and words.isdisjoint(_OTHER_WORDS))
+    is_other = row.anything and not (named and words.isdisjoint(_OTHER_WORDS))
     # Such states have the feet relative to the base, whose own pose is zero.
-    is_other |= not source.row.anything and topic.endswith("body_frame")
-    return (_PERHAPS if source.row.on_request or is_other else _SURE,)
+    is_other |= not row.anything and topic.name.endswith("body_frame")
+    return _PERHAPS if row.on_request or is_other else _SURE
 
 
-def _elements_of(log: Log, robot: Robot, topic: str, source: Source) -> list[_Candidate]:
+def _elements_of(log: Log, robot: Robot, topic: Topic) -> list[_Candidate]:
     """Return what a topic's first messages hold poses of."""
     frames: dict[str, tuple[str, ...]] = {}
-    for channel in log.channels_by_topic[topic]:
-        if source_of(channel, "base") is source:
-            for messages in first_messages(log, channel, source.columns):
-                frames |= choices(source, messages)
+    for channel in topic.channels:
+        for messages in first_messages(log, channel, topic.source.columns):
+            frames |= choices(topic.source, messages)
     return [
-        _Candidate(topic, source, name, _rank(parts, robot, source), parts)
+        _Candidate(topic, _rank(parts, robot, topic.source), name, parts)
         for name, parts in sorted(frames.items())
     ]
 
@@ -321,16 +309,3 @@ def _namespace_of(topic: str) -> str:
     """Return the first part of a topic if it may be a robot's name; else nothing."""
     first, *rest = topic.strip("/").split("/")
     return first.lower() if rest and texts_of(first) - _NO_NAMES else ""
-
-
-def _likely_base(candidates: Sequence[_Candidate], feet: Collection[str]) -> str:
-    """Return the name of the poses to offer; empty: there are none.
-
-    These are the only ones, or the first of the feet's robot that are named like a base.
-    """
-    measured = [
-        each for each in candidates if not (each.is_planned or texts_of(each.name) & _OTHER_WORDS)
-    ]
-    named = [each for each in measured if texts_of(each.name) & _BASE_WORDS]
-    best = _of_same_robot(named, feet) or (measured if len(measured) == 1 else [])
-    return best[0].name if best else ""

@@ -1,6 +1,6 @@
 """Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import Final
@@ -15,25 +15,21 @@ from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.names import ORDER, FootSet, label_names, leg_position, name_feet
-from dogbot_logtool.robot.offers import alternatives, foot_options
+from dogbot_logtool.robot.offers import foot_options
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
+    Topic,
     first_messages,
     is_planned,
-    message_count,
-    most_frequent,
+    names_of,
     readable_source,
-    readable_topics,
     require_topic,
-    sources_of,
     split_topic,
+    topics_of,
 )
 from dogbot_logtool.robot.words import Part, parts_of
 
-_RARE: Final = 2
-"""States that come less often than this fraction of others are rare."""
 _MOST_OFFERED: Final = 16
 """Sets of topics of a type that are looked at more closely."""
 _JOINT_FOOT: Final = "sensor_msgs/JointState"
@@ -101,46 +97,39 @@ def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
     """
     found: dict[Channel, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
-        feet = robot.feet_of(topic)
-        if len({foot.field is None for foot in feet}) > 1:
-            raise CallError(f"{topic}: all feet of a topic need a field, or none")
-        sources: dict[Channel, Source] = {}
-        because = ""
+        indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
+        feet, told, because = robot.feet_of(topic), list[Source](), ""
         for channel in log.channels_by_topic.get(topic, ()):
             try:
                 source = foot_source(channel, feet)
             except DefinitionError as reason:
                 because = str(reason)
-            else:
-                sources |= {channel: source} if source and not source.fault else {}
-        if because and not sources:
-            names = f"{'foot' if len(feet) == 1 else 'feet'} {listed([foot.name for foot in feet])}"
-            raise CallError(f"{name_of(log.source.path)}: {names}, {topic}: {because}")
-        if sources:
-            _refuse_same_foot(log, feet, [*sources.values()])
-        indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        found |= dict.fromkeys(sources, indices)
+                continue
+            if source is not None and not source.fault:
+                told.append(source)
+                found[channel] = indices
+        where = f"{name_of(log.source.path)}: foot"
+        if because and not told:
+            names = listed([foot.name for foot in feet])
+            raise CallError(f"{where} {names}, {topic}: {because}")
+        if told and (same := _same_foot(feet, told)):
+            raise CallError(f"{where} {same}")
     return found
 
 
-def _refuse_same_foot(log: Log, feet: Sequence[Foot], sources: Sequence[Source]) -> None:
-    """Refuse two feet of a topic that are the same in its messages.
-
-    Raises:
-        CallError: there are two.
-    """
+def _same_foot(feet: Sequence[Foot], sources: Sequence[Source]) -> str:
+    """Say which feet of a topic would be the same in its messages; empty: all differ."""
+    tells_all = all(each.tells_all_feet for each in sources)
     seen: dict[str | int | None, str] = {}
     for foot in feet:
         own = foot.field.path if foot.field is not None else foot.element
         other = seen.setdefault(own, foot.name)
-        if other == foot.name or (own is None and all(each.tells_all_feet for each in sources)):
-            continue
-        text = f"{foot.name}: {other} is the same foot in the messages of {foot.topic}"
-        if own is None:
-            text = f"{foot.name}: {foot.topic} would be the topic of {other}, {foot.name}; "
-            text += f"a message of type {sources[0].row.name} is about one foot"
-        text += "" if foot.field is None else "; each needs a field of its own"
-        raise CallError(f"{name_of(log.source.path)}: foot {text}")
+        if other != foot.name and not (own is None and tells_all):
+            return (
+                f"{foot.name}: {foot.word} would be that of {other}, {foot.name}, and is about one "
+                "foot; each needs a topic or a field of its own"
+            )
+    return ""
 
 
 # --- by types and names --------------------------------------------------------------------------
@@ -159,7 +148,7 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
         the robot with its feet, and sets of topics that may be feet if none surely are.
     """
     named = {foot.topic for foot in robot.feet if foot.field is not None}
-    topics = {*readable_topics(log, "feet"), *named & log.channels_by_topic.keys()}
+    topics = {*names_of(log, "feet"), *named & log.channels_by_topic.keys()}
     by_names, offered, told = _feet_by_names(log)
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
@@ -195,56 +184,44 @@ def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
 def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[Finding]]:
     """Return the feet that types and names of topics tell, what else may be, and what is said.
 
-    Of several types, the first that tells of all feet is used, else the first that tells of some.
+    Of several types, the first that tells of all feet is used, else the first that tells of some;
+    measured ones are better than planned ones.
     """
     offered: list[FootSet] = []
-    part: FootSet | None = None
-    others: Sequence[FootSet] = ()
-    for planned, source, topics in _by_source(log):
-        if planned and part is not None:
+    best: FootSet | None = None
+    for topics in _by_type(log):
+        if best is not None and is_planned(topics[0].channels[0]):
             break
+        source, names = topics[0].source, [each.name for each in topics]
         if source.tells_all_feet:
-            if feet := feet_of_messages(log, most_frequent(log, topics)):
-                return feet, (), [_found(feet)]
-            continue
-        chosen, possible = name_feet(topics, contacts_only=not source.row.anything)
-        if chosen is not None and (part is None or not chosen.missing):
-            part, others = chosen, possible
-            if not part.missing:
+            told = feet_of_messages(log, names[0])
+            chosen, possible = FootSet(told, "elements") if told else None, tuple[FootSet, ...]()
+        else:
+            chosen, possible = name_feet(names, contacts_only=not source.row.anything)
+        if chosen is not None and (best is None or not chosen.missing):
+            best = chosen
+            if not best.missing:
                 break
         offered.extend(possible[:_MOST_OFFERED])
-    if part is None:
+    if best is None:
         return (), offered, []
-    feet, told = part.feet, [_found(part.feet, others)]
-    for name in part.missing:
-        told.append(_missing("unlike", name, name))
-        # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
-        feet = (*feet, Foot(name, "", leg_position=leg_position(name)))
-    return (tuple(sorted(feet, key=front_to_back)) if part.missing else feet, offered, told)
+    words = ", ".join(f"{foot.name} = {foot.topic}" for foot in best.feet)
+    findings = [Finding("TOPICS_CHOSEN", f"feet are found by type and name: {words}")]
+    findings += [_missing("unlike", name, name) for name in best.missing]
+    # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
+    missing = [Foot(name, "", leg_position=leg_position(name)) for name in best.missing]
+    feet = (*best.feet, *missing)
+    return (tuple(sorted(feet, key=front_to_back)) if missing else feet), offered, findings
 
 
-def _by_source(log: Log) -> Iterator[tuple[bool, Source, list[str]]]:
-    """Yield whether messages are planned, their source and topics, the best first.
-
-    Measured ones are better. Of Unitree's states, those with positions come first, unless others
-    are much more frequent.
-    """
-    groups: dict[tuple[int, str], tuple[Source, set[str]]] = {}
-    for channel in log.channels.values():
-        if source := readable_source(channel, "feet"):
-            named = source.tells_all_feet and is_named_as_planned(channel.topic)
-            key = source.row.is_planned(channel.topic) + named, source.row.name
-            groups.setdefault(key, (source, set()))[1].add(channel.topic)
-    raw = {
-        key: max(message_count(log, topic) for topic in topics)
-        for key, (source, topics) in groups.items()
-        if source.row.unit == "counts"
-    }
-    rare = {key for key, count in raw.items() if _RARE * count < max(raw.values())}
-    order = types_of("feet")
-    for key in sorted(groups, key=lambda key: (key[0], key in rare, order.index(key[1]))):
-        source, topics = groups[key]
-        yield key[0] > 0, source, sorted(topics)
+def _by_type(log: Log) -> list[list[Topic]]:
+    """Return the topics of feet of each type, measured ones first, then those of better types."""
+    groups: dict[tuple[int, str], list[Topic]] = {}
+    for topic in topics_of(log, "feet"):
+        named = topic.source.tells_all_feet and is_named_as_planned(topic.name)
+        key = topic.source.row.is_planned(topic.name) + named, topic.source.row.name
+        groups.setdefault(key, []).append(topic)
+    return [groups[key] for key in sorted(groups, key=lambda key: key[0])]
 
 
 def _missing(say: str, where: str, foot: str) -> Finding:
@@ -252,27 +229,20 @@ def _missing(say: str, where: str, foot: str) -> Finding:
     return replace(told, feet=(foot,))
 
 
-def _found(feet: Sequence[Foot], others: Sequence[FootSet] = ()) -> Finding:
-    text = f"feet are found by type and name: {', '.join(f'{f.name} = {f.topic}' for f in feet)}"
-    if others:
-        text += f"; not chosen, but possible: {alternatives(others)}"
-    return Finding("TOPICS_CHOSEN", text)
-
-
 def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     """Note which element is a foot's, where messages hold all feet and no option says it."""
-    sources = sources_of(log, foot.topic, "feet")
-    if foot.field is not None or not sources or not sources[0].tells_all_feet:
+    source = next((each.source for each in topics_of(log, "feet") if each.name == foot.topic), None)
+    if foot.field is not None or source is None or not source.tells_all_feet:
         return foot
-    row = sources[0].row
-    if foot.element is not None and row.legs and not row.maybe_without_legs:
+    if foot.element is not None and source.row.legs and not source.row.maybe_without_legs:
         return foot
-    told = feet_of_messages(log, foot.topic)
+    told = {
+        each.label if foot.label else each.name: each for each in feet_of_messages(log, foot.topic)
+    }
     position = foot.leg_position or leg_position(foot.name)
-    for name in (foot.name, "_".join(position or ())):
-        for other in told:
-            if foot.label == other.label if foot.label else name == other.name:
-                return replace(foot, element=other.element, label=other.label)
+    for name in (foot.label,) if foot.label else (foot.name, "_".join(position or ())):
+        if other := told.get(name):
+            return replace(foot, element=other.element, label=other.label)
     if foot.element is None:
         findings.append(found("FEET_UNSURE", say="element", topic=foot.topic, name=foot.name))
     return foot
@@ -283,7 +253,7 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
 
 def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
     """Return the feet that a topic's messages tell of; none where they are not about feet."""
-    for channel in log.channels_by_topic.get(topic, ()):
+    for channel in log.channels_by_topic[topic]:
         source = readable_source(channel, "feet")
         if source and source.tells_all_feet and (found := _feet_told(log, channel, source)):
             return _named_feet(found, topic)
@@ -336,18 +306,17 @@ def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[F
         contacts: their channels.
     """
     used = {channel.topic: channel.type_name for channel in contacts}
-    if any(is_named_as_planned(topic) for topic in used):
-        return ()
     if _JOINT_FOOT in used.values():
         return tuple(_by_velocity(foot) for foot in robot.feet if foot.element is not None)
-    topics: dict[str, list[str]] = {}
-    for channel in log.channels.values():
-        if channel.topic not in used and is_planned(channel):
-            topics.setdefault(channel.type_name, []).append(channel.topic)
+    plans = [
+        each
+        for each in topics_of(log, "feet")
+        if each.source.tells_all_feet and is_planned(each.channels[0]) and each.name not in used
+    ]
     names = {foot.name for foot in robot.feet}
     # A plan of the measurement's own type tells forces in the same way.
-    for _, of_type in sorted(topics.items(), key=lambda each: each[0] not in used.values()):
-        feet = feet_of_messages(log, most_frequent(log, of_type))
+    for plan in sorted(plans, key=lambda each: each.channels[0].type_name not in used.values()):
+        feet = feet_of_messages(log, plan.name)
         if found := tuple(foot for foot in feet if foot.name in names):
             return found
     return ()

@@ -9,8 +9,7 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
    as one of two rows of numbered legs, as one of several that are numbered, or as one of two (a
    side). Where several topics are about one leg, the other words that differ tell its sensors
    apart, or else two robots.
-3. A set of siblings is dropped if its words say that it is no foot (`PARTS`) or name one foot,
-   whose sensors its topics are (``/left_foot/front_{side}``).
+3. A set of siblings is dropped if its words say that it is no foot (`PARTS`).
 4. The rest are ranked: by the part of the leg that they name, then by what they tell of it
    (`MERITS`: a measured force before a planned one, one without offset before the raw one).
    A single best one that is clear is chosen. All others are offered to the user.
@@ -19,7 +18,6 @@ One name alone misleads: ``rl_controller`` is no left hind leg and the ``front``
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import Final, NamedTuple
 
 from dogbot_logtool.core.leg_position import LegPosition
@@ -179,7 +177,7 @@ def _sets(group: Group) -> Iterator[FootSet]:
     """Yield siblings as sets of feet; more than one set where they are of several robots."""
     differ = _that_differ(group.values())
     kind, legs = _read_legs(group, differ)
-    if not legs or _name_one_foot(next(iter(group.values())), differ):
+    if not legs:
         return
     of_leg: dict[str, dict[str, Words]] = {}
     for topic in sorted(group, key=lambda topic: legs[topic].order):
@@ -241,18 +239,6 @@ def _as_feet(
         feet = [replace(f, name=f"{f.name}_{number[f.topic]}", sensor_of=f.name) for f in feet]
         feet.sort(key=lambda foot: number[foot.topic])
     return FootSet(tuple(feet), kind, part, frozenset(word.text for word in near))
-
-
-def _name_one_foot(words: Words, differ: Sequence[int]) -> bool:
-    """Tell whether words in which siblings agree name one foot: they are its sensors."""
-    agreed = pairwise([None if at in differ else word for at, word in enumerate(words)])
-    return any(
-        one.segment == other.segment
-        and {one.part, other.part} & {Part.FOOT}
-        and (one.is_position or other.is_position)
-        for one, other in agreed
-        if one and other
-    )
 
 
 # --- words that are read as a leg ----------------------------------------------------------------
@@ -338,7 +324,7 @@ def _numbered(words: Words, differ: Sequence[int]) -> _Leg | None:
     beside = [one for one in words if one.segment == word.segment and one is not word]
     beside = beside or [one for one in words if one.segment == word.segment - 1][-1:]
     parts = [one.text for one in beside if one.is_leg]
-    order = _number(word.text), len(word.text)
+    order = _number(word.text), 0
     return _Leg(f"{parts[-1]}_{word.text}", order, tuple(differ)) if parts else None
 
 
@@ -386,16 +372,6 @@ def foot_name(label: str) -> str:
     words = words_of(label)
     numbered = {leg.name for at in range(len(words)) if (leg := _numbered(words, [at]))}
     return numbered.pop() if len(numbered) == 1 else _sanitised(label)
-
-
-def leg_name(frame: str) -> str:
-    """Return a name for the leg that a frame is of: with its number, where legs have numbers."""
-    numbers = [
-        own.text
-        for before, own in pairwise(words_of(frame))
-        if before.part is Part.LEG and own.slot == "number" and own.segment == before.segment
-    ]
-    return "_".join([foot_name(frame), *numbers])
 
 
 def _sanitised(name: str) -> str:

@@ -22,15 +22,8 @@ from dogbot_logtool.robot.topics import is_planned, readable_source
 
 _ALTERNATIVES: Final = 3
 """Sets of topics that are offered beside the most likely one."""
-_LIKELY_WORDS: Final = ("odom", "contact", "foot", "feet", "force", "wrench", "pose", "leg")
-"""Words in topics and types that may tell of the base or the feet."""
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
-
-
-def alternatives(sets: Sequence[FootSet]) -> str:
-    """Return the words for a shell that choose the first of some sets."""
-    return " or ".join(foot_options(one.feet) for one in sets[:_ALTERNATIVES])
 
 
 def foot_options(feet: Iterable[Foot]) -> str:
@@ -38,29 +31,26 @@ def foot_options(feet: Iterable[Foot]) -> str:
     return " ".join(f"--foot {foot.name}={shell_quoted(foot.word)}" for foot in feet)
 
 
-def offer_finding(log: Log, sets: Sequence[FootSet], call: str, base: str) -> Finding:
+def offer_finding(log: Log, sets: Sequence[FootSet], call: str) -> Finding:
     """Return which topics or fields may be feet, and the command that measures with them.
 
     Args:
         log: the log.
         sets: at least one, the most likely first; all of topics, or all of fields.
         call: a call of `stats` without the feet.
-        base: poses that may be the base's, as ``--odom-topic`` takes them; empty: none.
     """
     first, *others = sets
     call = f"{call} {foot_options(first.feet)}"
     if not first.type_name:
-        which = first.fields + (f"; or {alternatives(others)}" if others else "")
-        if len(others) > _ALTERNATIVES:
-            which += f" or {len(others) - _ALTERNATIVES} other sets of topics"
+        options = " or ".join(foot_options(one.feet) for one in others[:_ALTERNATIVES])
+        which = first.fields + (f"; or {options}" if others else "")
         return replace(found("FEET_UNSURE", say="topics", which=which, call=call), command=call)
     told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in sets[:3])
     if any(foot.leg_position is None for foot in first.feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
         told += f"{first.feet[0].name} and the others, and gaits have names"
     file = f"{PurePath(log.words[0]).stem}.toml"
-    chosen = ["--odom-topic", base] if base else []
-    draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, *chosen, "-o", file])
+    draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, "-o", file])
     # What fields are, and of which foot, can only be said in a robot's file.
     needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)
     say, command = ("draft", draft) if needs_file else ("fields", call)
@@ -68,13 +58,13 @@ def offer_finding(log: Log, sets: Sequence[FootSet], call: str, base: str) -> Fi
     return replace(found("FEET_UNSURE", "possible", say=say, **values), command=command)
 
 
-def call_of(log: Log, options: RobotOptions, base: str) -> str:
-    """Return a call of `stats` with the user's options, and with a base that is offered."""
+def call_of(log: Log, options: RobotOptions) -> str:
+    """Return a call of `stats` with the user's options."""
     mass = None if options.mass is None else f"{options.mass:g}"
     words = ["dogbot-logtool", "stats", *log.words]
     for option, value in (
         ("--robot", options.robot),
-        ("--odom-topic", options.odom_topic or base or None),
+        ("--odom-topic", options.odom_topic),
         ("--mass", mass),
         *(("--foot", f"{name}={text}") for name, text in (options.foot or {}).items()),
         *(("--set", f"{name}={text}") for name, text in (options.set or {}).items()),
@@ -99,7 +89,7 @@ def unreadable_findings(
         contacts: channels that are used.
     """
     lost: dict[tuple[bool, str], set[str]] = {}
-    unknown: dict[str, str] = {}
+    unknown: dict[str, set[str]] = {}
     for channel in log.channels.values():
         is_base = channel.type_name in {ODOMETRY_TYPE, *TRANSFORM_TYPES}
         source = source_of(channel, "base" if is_base else "feet")
@@ -111,18 +101,11 @@ def unreadable_findings(
             lost.setdefault((is_error, source.fault), set()).add(channel.topic)
         is_known = channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
         if not is_known and not readable_source(channel, "base"):
-            unknown[channel.topic] = channel.message_encoding or "nothing"
+            unknown.setdefault(channel.message_encoding, set()).add(channel.topic)
     for (is_error, reason), topics in sorted(lost.items()):
         yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
-    if unknown and not (contacts or lost):
-        many, all_topics = len(unknown), len(log.channels_by_topic)
-        what = f"{many:,} of {all_topics:,} topics" if all_topics > 1 else "its topic"
-        text = (
-            f"{what} {'is' if many == 1 else 'are'} encoded as "
-            f"{listed(sorted(set(unknown.values())))}; only "
-            "ROS 1 messages, CDR and Foxglove's poses, transforms and joints are read"
-        )
-        yield Finding("UNREADABLE", text, cases=("not_needed",))
+    for encoding, topics in unknown.items() if not (contacts or lost) else ():
+        yield _about(topics, f"messages encoded as {encoding!r} are not read", ("not_needed",))
 
 
 def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
@@ -201,7 +184,7 @@ def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
     if reasons:
         because = "; ".join(reasons[:_MOST_REASONS])
         return f"{path}: has no odometry and no contact messages that can be read: {because}"
-    known = sorted({(c.topic, c.type_name) for c in log.channels.values()}, key=_unlikely)
+    known = sorted({(c.topic, c.type_name) for c in log.channels.values()})
     lines = [
         f"\n  {printable(topic)}  {printable(kind) or '(of no type)'}"
         for topic, kind in known[:MOST]
@@ -214,9 +197,3 @@ def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:
         "gazebo_msgs/ContactsState that can be used (--odom-topic and --foot name topics)."
         f"{damage} It has:{''.join(lines) or ' nothing'}"
     )
-
-
-def _unlikely(topic: tuple[str, str]) -> tuple[bool, tuple[str, str]]:
-    """Return what sorts topics, given with their types: likely ones first, then by name."""
-    name = " ".join(topic).lower()
-    return not any(word in name for word in _LIKELY_WORDS), topic

@@ -36,9 +36,10 @@ from dogbot_logtool.robot.robot import (
 )
 from dogbot_logtool.robot.topics import (
     has_field,
+    names_of,
     readable_source,
-    readable_topics,
     split_topic,
+    topics_of,
 )
 from dogbot_logtool.robot.unknown import find_candidates
 
@@ -133,17 +134,8 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     if options.robot is not None and known and known.isdisjoint(used):
         findings.append(found("ROBOT_GUESSED", "absent", robot=robot.name))
     findings += of_feet
-    call = call_of(log, options, chosen.offered)
     if offers:
-        findings.append(offer_finding(log, offers, call, chosen.offered))
-    elif chosen.offered:
-        # This takes the poses that are offered.
-        findings = [
-            replace(each, text=f"{each.text}; this takes them: {call}", command=call)
-            if each.code == "NO_BASE"
-            else each
-            for each in findings
-        ]
+        findings.append(offer_finding(log, offers, call_of(log, options)))
     transforms = [
         channel
         for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
@@ -185,9 +177,10 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
 
 def _usable_topics(log: Log) -> frozenset[str]:
     """Return the topics with odometry or contacts: a name alone makes no robot known."""
-    odometry = (c for c in log.channels.values() if c.type_name == ODOMETRY_TYPE)
-    readable = (channel.topic for channel in odometry if readable_source(channel, "base"))
-    return frozenset((*readable_topics(log, "feet"), *readable))
+    odometry = {
+        each.name for each in topics_of(log, "base") if each.source.row.name == ODOMETRY_TYPE
+    }
+    return frozenset({*names_of(log, "feet"), *odometry})
 
 
 def _with_options(log: Log, robot: Robot, options: RobotOptions) -> Robot:

@@ -2,7 +2,7 @@
 
 from collections.abc import Container, Iterable, Iterator
 from itertools import islice
-from typing import Final
+from typing import Final, NamedTuple
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding
@@ -14,7 +14,6 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.others import JOINT_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.part import WantedVectors
@@ -42,19 +41,23 @@ _ELSEWHERE: Final = word_set(
     "livox ouster velodyne"
 )
 """Words of topics of inertial units that are not the base's; numbers are those of cameras."""
-_NO_STATES: Final = ("command", "cmd", "desired", "target", "goal", "reference", "foot")
+_NO_STATES: Final = frozenset[str]().union(*_COMMANDS, {"goal", "foot"})
 """Words in topics whose joint states are no positions of joints."""
 _MOST_CHANNELS: Final = 16
+
+
+class Topic(NamedTuple):
+    """A topic that tells of a part of a walk, and how its messages are read."""
+
+    name: str
+    source: Source
+    channels: tuple[Channel, ...]
+    """All of one definition."""
 
 
 def message_count(log: Log, topic: str) -> int:
     """Return how many messages of a topic the index counts."""
     return sum(log.counts.get(channel.id, 0) for channel in log.channels_by_topic.get(topic, ()))
-
-
-def most_frequent(log: Log, topics: Iterable[str]) -> str:
-    """Return the topic with the most messages; of several, the one with the shortest name."""
-    return max(topics, key=lambda topic: (message_count(log, topic), -len(topic), topic))
 
 
 def readable_source(channel: Channel, part: Part) -> Source | None:
@@ -63,15 +66,32 @@ def readable_source(channel: Channel, part: Part) -> Source | None:
     return None if source is None or source.fault else source
 
 
-def sources_of(log: Log, topic: str, part: Part) -> list[Source]:
-    """Return how a part of a topic's messages is read; faulty ones are left out."""
-    channels = log.channels_by_topic.get(topic, ())
-    return [source for channel in channels if (source := readable_source(channel, part))]
+def topics_of(log: Log, part: Part) -> list[Topic]:
+    """Return the topics that tell of a part and can be decoded, the best first.
+
+    These are of the better type, then those with the most messages, then with a shorter name.
+    """
+    order = types_of(part)
+    found: dict[tuple[int, str], list[tuple[Channel, Source]]] = {}
+    for channel in log.channels.values():
+        if source := readable_source(channel, part):
+            key = order.index(source.row.name), channel.topic
+            found.setdefault(key, []).append((channel, source))
+    topics = [
+        Topic(name, told[0][1], tuple(c for c, like in told if like.columns == told[0][1].columns))
+        for (_, name), told in found.items()
+    ]
+
+    def rank(topic: Topic) -> tuple[int, int, int, str]:
+        better = order.index(topic.source.row.name), -message_count(log, topic.name)
+        return *better, len(topic.name), topic.name
+
+    return sorted(topics, key=rank)
 
 
-def readable_topics(log: Log, part: Part) -> list[str]:
-    """Return the topics that tell of a part and can be decoded, sorted."""
-    return sorted(topic for topic in log.channels_by_topic if sources_of(log, topic, part))
+def names_of(log: Log, part: Part) -> list[str]:
+    """Return the names of the topics that tell of a part and can be decoded, sorted."""
+    return sorted({each.name for each in topics_of(log, part)})
 
 
 def first_messages(log: Log, channel: Channel, columns: Columns) -> Iterator[DecodedMessages]:
@@ -130,7 +150,7 @@ def require_topic(
         raise LogError(f"{where}: {topic} cannot be read: {sources[0].fault}")
     if sources or (channels and part is None):
         return
-    usable = readable_topics(log, part) if part else sorted(log.channels_by_topic)
+    usable = names_of(log, part) if part else sorted(log.channels_by_topic)
     can_be_used = f"Topics that can be used: {listed(usable) or 'none'}"
     if channels:
         found = ", ".join(sorted({channel.type_name for channel in channels}))
@@ -157,14 +177,14 @@ def is_planned(channel: Channel) -> bool:
 
 
 def joint_channels(log: Log) -> list[Channel]:
-    """Return the first channels of joints' measured states: best type, then shortest topic."""
+    """Return the first channels of joints' measured states, those that name joints first."""
+    topics = sorted(topics_of(log, "joints"), key=lambda each: not each.source.row.joint)
     found = [
         channel
-        for channel in log.channels.values()
-        if readable_source(channel, "joints") and log.counts.get(channel.id, 1)
-        if not any(word in channel.topic.lower() for word in _NO_STATES)
+        for topic in topics
+        for channel in topic.channels
+        if log.counts.get(channel.id, 1) and not texts_of(topic.name) & _NO_STATES
     ]
-    found.sort(key=lambda each: (JOINT_TYPES.index(each.type_name), len(each.topic), each.topic))
     return found[:_MOST_CHANNELS]
 
 
@@ -189,46 +209,29 @@ def side_topics(
     for part, option, asked, what in parts:
         if asked is not None:
             require_topic(log, option, asked, part)
-        topics = _ranked(log, part) if asked is None else [asked]
-        chosen.append(_wanted(log, topics[0], part) if topics else None)
+        every = topics_of(log, part)
+        named = [each for each in every if each.name == asked]
+        topics = _likely(every, part) if asked is None else named
+        chosen.append(WantedVectors(topics[0].name, topics[0].channels, part) if topics else None)
         if topics and asked is None:
-            text, others = f"{what} are taken from {topics[0]}, found by type and name", topics[1:]
+            best, *others = [each.name for each in topics]
+            text = f"{what} are taken from {best}, found by type and name"
             text += f"; there are also {listed(others)} (--set {option} chooses)" if others else ""
-            findings.append(Finding("TOPICS_CHOSEN", text, topics[0]))
+            findings.append(Finding("TOPICS_CHOSEN", text, best))
     commands, accelerations = chosen
     return commands, accelerations, tuple(findings)
 
 
-def _ranked(log: Log, part: Part) -> list[str]:
-    """Return the topics that may be meant, the best first.
-
-    Of equally good ones that of the better type comes first, then that with the most messages.
-    """
-    found = []
-    for topic in readable_topics(log, part):
-        rank = _command_rank(topic) if part == "commands" else _inertial_rank(topic)
-        if rank is not None:
-            kind = types_of(part).index(_wanted(log, topic, part).channels[0].type_name)
-            found.append((rank, kind, -message_count(log, topic), len(topic), topic))
-    return [topic for *_, topic in sorted(found)]
-
-
-def _command_rank(topic: str) -> int | None:
-    """Return how likely a topic's twists are commands, low first; None: they are none."""
-    words = texts_of(topic)
-    ranks = [row for row, sure in enumerate(_COMMANDS) if words & sure]
-    is_other = topic.rpartition("/")[2] != "cmd_vel"
-    return 2 * ranks[0] + is_other if ranks and not words & _MEASURED else None
-
-
-def _inertial_rank(topic: str) -> int | None:
-    """Return how likely a topic is of the base's inertial unit, low first; None: it is not."""
-    words = texts_of(topic)
-    return None if words & _ELSEWHERE else int("raw" in words)
-
-
-def _wanted(log: Log, topic: str, part: Part) -> WantedVectors:
-    """Return the channels of a topic that can be decoded, all of one type."""
-    readable = [each for each in log.channels_by_topic[topic] if readable_source(each, part)]
-    best = min((channel.type_name for channel in readable), key=types_of(part).index)
-    return WantedVectors(topic, tuple(c for c in readable if c.type_name == best), part)
+def _likely(topics: Iterable[Topic], part: Part) -> list[Topic]:
+    """Return the topics that are named like commands, or the base's inertial unit, best first."""
+    ranked: list[tuple[int, Topic]] = []
+    for topic in topics:
+        words = texts_of(topic.name)
+        if part == "accelerations":
+            ranks = [] if words & _ELSEWHERE else [int("raw" in words)]
+        else:
+            is_other = topic.name.rpartition("/")[2] != "cmd_vel"
+            ranks = [2 * row + is_other for row, sure in enumerate(_COMMANDS) if words & sure]
+            ranks = [] if words & _MEASURED else ranks
+        ranked += [(rank, topic) for rank in ranks[:1]]
+    return [topic for _, topic in sorted(ranked, key=lambda each: each[0])]

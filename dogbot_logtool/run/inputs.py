@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
@@ -24,11 +24,9 @@ if TYPE_CHECKING:
     from upath import UPath
 
 _SUFFIXES: Final = tuple(container.suffix for container in CONTAINERS)
-_MAGIC: Final = tuple(container.magic for container in CONTAINERS)
 _WILD: Final = re.compile(r"[*?\[]")
 _LARGEST_LIST: Final = 256 << 20
-_ANY: Final = re.compile(r"(?<=.)\*{2,}|\*{2,}(?=.)")
-"""Stars in a part of a pattern that is more than ``**``."""
+AnyPath = TypeVar("AnyPath", bound=PurePath)
 Unreadable = dict[Path, str]
 """Directories that could not be searched, and why."""
 
@@ -72,10 +70,10 @@ class LogSet(NamedTuple):
 def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
     """Find the logs that words name.
 
-    A directory is searched, however deep, for files that end as logs do; on a disk, also for
-    others that begin as logs do. Links are followed, but each directory and each file is there
-    once. The directory of a ROS 2 bag is one log. ``@list.txt`` names a file of such words, one a
-    line, ``#`` beginning a remark; relative names in it start from the current directory.
+    A directory is searched, however deep, for files that end as logs do. Links are followed, but
+    each directory and each file is there once. The directory of a ROS 2 bag is one log.
+    ``@list.txt`` names a file of such words, one a line, ``#`` beginning a remark; relative names
+    in it start from the current directory.
 
     Args:
         words: what was named.
@@ -94,7 +92,7 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
             if one.searched and one.path.name.endswith(ANNOTATED):
                 left_out += 1
                 continue
-            path = storage.from_root(one.path) if for_workers else one.path
+            path = one.path.absolute() if for_workers else one.path
             found.setdefault(storage.identity(path), replace(one, path=path))
     names = ((storage.name_of(path), reason) for path, reason in unreadable.items())
     failures = tuple((name, f"{name}: cannot be searched: {reason}") for name, reason in names)
@@ -136,20 +134,15 @@ def _listed(path: Location, unreadable: Unreadable) -> Iterator[Found]:
 
 def _lines(path: Location) -> list[str]:
     """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
-    name = f"@{storage.name_of(path)}"
     try:
         data = storage.content(path, _LARGEST_LIST)
     except CallError as error:
         raise CallError(f"@{error}") from error
-    except OSError as error:
-        raise CallError(f"{name}: cannot be read: {error.strerror}") from error
-    if data is None:
-        raise CallError(f"{name}: is too long for a list of logs")
     lines = data.removeprefix(codecs.BOM_UTF8).split(b"\n")
     with suppress(UnicodeDecodeError):  # Windows, where names are no bytes
         if b"\0" not in data:
             return [os.fsdecode(line.removesuffix(b"\r")) for line in lines]
-    raise CallError(f"{name}: is no list of logs, not even text in UTF-8")
+    raise CallError(f"@{storage.name_of(path)}: is no list of logs, not even text in UTF-8")
 
 
 # --- Disks ----------------------------------------------------------------------------------------
@@ -168,76 +161,25 @@ def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
         yield Found(path)
     else:
         paths = _matches(name)
-        if not paths and not unreadable:
+        if not paths:
             raise CallError(f"{storage.name_of(path)}: no file has such a name")
-        yield from _unique(
-            one
-            for each in paths
-            for one in (_searched(each, unreadable) if each.is_dir() else [Found(each)])
-        )
+        for each in paths:
+            yield from _searched(each, unreadable) if each.is_dir() else [Found(each)]
 
 
 def _searched(folder: Path, unreadable: Unreadable) -> list[Found]:
-    """Find the logs below a directory of a disk, or that it is one; by name."""
-    found: list[Found] = []
-    for path, folders, files in _walk(folder, unreadable):
-        below = path.relative_to(folder)
-        if _is_bag(files, PurePath(os.path.realpath(path)).name):
-            found.append(Found(path, below.parent, searched=path != folder))
-            folders.clear()
-        else:
-            found += (
-                Found(path / name, below, searched=True)
-                for name in files
-                if _ends_like_a_log(name) or _begins_like_a_log(path / name)
-            )
-    return _unique(found)
+    """Find the logs below a directory of a disk, or that it is one; by name, links last."""
+    logs = _logs_among(list(_files_below(folder, unreadable)))
+    return [_found(path, folder, path) for path in sorted(logs, key=_links_last)]
 
 
-def _unique(found: Iterable[Found]) -> list[Found]:
-    """Return each log of a disk once, by name; a link adds nothing to what is there without it."""
-    unique: dict[str, Found] = {}
-    for one in sorted(found, key=_is_link):
-        unique.setdefault(storage.identity(one.path), one)
-    return sorted(unique.values(), key=lambda one: list(one.path.parts))
+def _links_last(path: Path) -> tuple[bool, tuple[str, ...]]:
+    """Return what to sort by, so that a link adds nothing to what is there without it."""
+    return path.is_symlink(), path.parts
 
 
-def _is_link(found: Found) -> bool:
-    """Tell whether a link leads to a log from where it was searched for."""
-    links = found.path, *list(found.path.parents)[: len(found.below.parts) + 1]
-    return any(isinstance(path, Path) and path.is_symlink() for path in links)
-
-
-def _begins_like_a_log(file: Path) -> bool:
-    try:
-        # Opening a FIFO would wait for a writer.
-        if not file.is_file():
-            return False
-        with file.open("rb") as opened:
-            return opened.read(16).startswith(_MAGIC)
-    except OSError:
-        return False
-
-
-def _ends_like_a_log(name: str) -> bool:
-    return name.removesuffix(".zstd").endswith(_SUFFIXES)
-
-
-def _is_bag(names: Sequence[str], folder: str) -> bool:
-    """Tell whether the files in a directory are a ROS 2 bag: one log.
-
-    Without metadata, it is recognised by how recorders name files:
-    ``<directory>_<number>.<suffix>``.
-    """
-    if ROSBAG2_METADATA in names:
-        return True
-    suffixes = "|".join(map(re.escape, ROSBAG2_SUFFIXES))
-    numbered = re.compile(rf"{re.escape(folder)}_\d+({suffixes})(\.zstd)?")
-    return any(numbered.fullmatch(name) for name in names)
-
-
-def _walk(root: Path, unreadable: Unreadable) -> Iterator[tuple[Path, list[str], list[str]]]:
-    """Yield a directory and those below it, each once, however many links lead to it.
+def _files_below(root: Path, unreadable: Unreadable) -> Iterator[Path]:
+    """Yield the files below a directory, those of each directory once, but for hidden ones.
 
     A directory that is reached without a link comes under that name. Links to a directory above
     the root are not followed: they would search the whole disk.
@@ -245,10 +187,6 @@ def _walk(root: Path, unreadable: Unreadable) -> Iterator[tuple[Path, list[str],
     Args:
         root: where to begin.
         unreadable: receives the directories that cannot be read.
-
-    Returns:
-        its path, and the names of its directories and files but for hidden ones. Directories that
-        are removed from the list are not entered.
     """
 
     def note(error: OSError) -> None:
@@ -258,15 +196,14 @@ def _walk(root: Path, unreadable: Unreadable) -> Iterator[tuple[Path, list[str],
     roots = deque([root])
     while roots:
         for name, folders, files in os.walk(roots.popleft(), onerror=note):
-            path = Path(name)
-            identity = storage.identity(path)
-            if identity in seen:
+            folder = Path(name)
+            folders[:] = sorted(each for each in folders if not each.startswith("."))
+            if storage.identity(folder) in seen:
                 folders.clear()
                 continue
-            seen.add(identity)
-            folders[:] = [each for each in folders if not each.startswith(".")]
-            yield path, folders, [each for each in files if not each.startswith(".")]
-            links = (path / each for each in sorted(folders))
+            seen.add(storage.identity(folder))
+            yield from (folder / each for each in files if not each.startswith("."))
+            links = (folder / each for each in folders)
             roots.extend(each for each in links if os.path.islink(each))  # noqa: PTH114 - false for a name that no disk takes
 
 
@@ -278,21 +215,24 @@ def _matches(pattern: str) -> list[Path]:
     links to a directory above them none.
     """
     pure = PurePath(pattern)
-    parts = [_ANY.sub("*", part) for part in pure.relative_to(pure.anchor).parts]
-    if parts[-1] == "**":
-        parts.append("*")  # which Python 3.13 takes it for, earlier ones do not
+    # Python 3.12 and before know no ``**`` within a name.
+    parts = [
+        part if part == "**" else re.sub(r"\*+", "*", part)
+        for part in pure.relative_to(pure.anchor).parts
+    ]
     found = set(Path(pure.anchor).glob("/".join(parts)))
     if not any(map(_is_hidden, parts)):
         found = {path for path in found if not any(map(_is_hidden, path.parts))}
-    return sorted(path for path in found if not (path.is_symlink() and _leads_up(path)))
+    return sorted((path for path in found if not _leads_up(path)), key=_links_last)
 
 
 def _is_hidden(name: str) -> bool:
     return name.startswith(".") and name != ".."
 
 
-def _leads_up(link: Path) -> bool:
-    return Path(os.path.realpath(link.parent)).is_relative_to(os.path.realpath(link))
+def _leads_up(path: Path) -> bool:
+    real = os.path.realpath(path)
+    return path.is_symlink() and Path(os.path.realpath(path.parent)).is_relative_to(real)
 
 
 # --- Stores ---------------------------------------------------------------------------------------
@@ -301,7 +241,8 @@ def _leads_up(link: Path) -> bool:
 def _in_store(path: "UPath") -> Iterator[Found]:
     names: list[str] = []
     if _WILD.search(path.path) and path.protocol not in {"http", "https"}:
-        names = sorted(storage.asked(path, lambda: list(path.fs.glob(path.path))))
+        with storage.asking(path):
+            names = sorted(path.fs.glob(path.path))
         if not names and not storage.exists(path):
             raise CallError(f"{storage.name_of(path)}: no object has such a name")
     for one in [_like(path, name) for name in names] or [path]:
@@ -313,22 +254,56 @@ def _in_store(path: "UPath") -> Iterator[Found]:
 
 def _searched_in_store(folder: "UPath") -> Iterator[Found]:
     """Find the logs below a directory of a store: one listing, whatever its depth."""
-    listed = storage.asked(folder, lambda: list(folder.fs.find(folder.path)))
-    paths, root = [PurePosixPath(name) for name in listed], PurePosixPath(folder.path)
-    files: dict[PurePosixPath, list[str]] = {}
-    for path in paths:
-        files.setdefault(path.parent, []).append(path.name)
-    bags = {parent for parent, names in files.items() if _is_bag(names, parent.name)}
-    logs = [path for path in paths if _ends_like_a_log(path.name) and path.parent not in bags]
-    if not bags and not logs:
+    with storage.asking(folder):
+        files = list(map(PurePosixPath, folder.fs.find(folder.path)))
+    logs = sorted(_logs_among(files))
+    if not logs:
         raise CallError(f"{storage.name_of(folder)}: there are no logs")
-    for path in sorted([*bags, *logs], key=str):
-        parent, is_below = path.parent, path.parent.is_relative_to(root)
-        below = parent.relative_to(root) if is_below else PurePosixPath()
-        yield Found(_like(folder, str(path)), below, searched=path not in bags)
+    for path in logs:
+        yield _found(_like(folder, str(path)), PurePosixPath(folder.path), path)
 
 
 def _like(path: "UPath", name: str) -> "UPath":
     """Return another object of the same store."""
     other: UPath = type(path)(path.fs.unstrip_protocol(name), **path.storage_options)
     return other
+
+
+# --- Both -----------------------------------------------------------------------------------------
+
+
+def _logs_among(files: Sequence[AnyPath]) -> list[AnyPath]:
+    """Return which files, or directories of them, are logs."""
+    folders: dict[AnyPath, list[str]] = {}
+    for file in files:
+        folders.setdefault(file.parent, []).append(file.name)
+    bags = {folder for folder, names in folders.items() if _is_bag(names, folder)}
+    logs = (
+        folder / name for folder in folders for name in filter(_ends_like_a_log, folders[folder])
+    )
+    return [path for path in (*bags, *logs) if not bags.intersection(path.parents)]
+
+
+def _ends_like_a_log(name: str) -> bool:
+    return name.removesuffix(".zstd").endswith(_SUFFIXES)
+
+
+def _is_bag(names: Sequence[str], folder: PurePath) -> bool:
+    """Tell whether the files in a directory are a ROS 2 bag: one log.
+
+    Without metadata, it is recognised by how recorders name files:
+    ``<directory>_<number>.<suffix>``.
+    """
+    if ROSBAG2_METADATA in names:
+        return True
+    own = (folder.resolve() if isinstance(folder, Path) else folder).name
+    suffixes = "|".join(map(re.escape, ROSBAG2_SUFFIXES))
+    numbered = re.compile(rf"{re.escape(own)}_\d+({suffixes})(\.zstd)?")
+    return any(numbered.fullmatch(name) for name in names)
+
+
+def _found(log: Location, root: PurePath, path: PurePath) -> Found:
+    """Return a log that was found at a path below a root."""
+    is_below = path.parent.is_relative_to(root)
+    below = path.parent.relative_to(root) if is_below else PurePosixPath()
+    return Found(log, below, searched=path != root)

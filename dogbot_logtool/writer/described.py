@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from math import nan
 from typing import Final, NamedTuple
 
-from dogbot_logtool.core.event import LEVELS, WARNING, text_of
+from dogbot_logtool.core.events import LEVELS, WARNING, text_of
 from dogbot_logtool.core.metrics import Event, Gait
 from dogbot_logtool.writer.template import Literal, Of, Slot
 

@@ -36,6 +36,7 @@ convert TROT --robot unicorn.toml | unicorn.toml: no such file
 convert TROT --no-copy --topics /x | --no-copy copies nothing
 convert TROT TROUBLED -o x.mcap | x.mcap: is a file's name, and there are 2 logs
 convert TROT -o none/x.mcap | none: no such folder
+convert a/x.bag b/x.bag -o out | out/x.annotated.mcap: 2 logs of one name would go there
 convert no_such.bag | no_such.bag: no such file
 convert . | is a directory, not a log file, and holds no logs
 stats 'runs/*.bag' | runs/*.bag: no file has such a name

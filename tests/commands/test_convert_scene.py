@@ -71,9 +71,15 @@ SILENT_S: Final = 0.86
 Vector = tuple[float, float, float]
 
 
-def test_support_is_that_of_the_feet_that_stand(tmp_path: Path) -> None:
-    log = write_standing_log(tmp_path / "log.mcap", LEANING, NEWTONS, {"back_left": SILENT_S})
-    done = convert(log, tmp_path / "out.mcap", ConvertOptions(encoding="ros2", copy=False))
+@pytest.mark.parametrize(
+    ("base", "given"), [(LEANING, {}), (BASE, {"com_offset_m": "[0.06, 0.02, 0.0]"})]
+)
+def test_support_is_that_of_the_feet_that_stand(
+    tmp_path: Path, base: Vector, given: dict[str, str]
+) -> None:
+    log = write_standing_log(tmp_path / "log.mcap", base, NEWTONS, {"back_left": SILENT_S})
+    options = ConvertOptions(encoding="ros2", copy=False, set=given)
+    done = convert(log, tmp_path / "out.mcap", options)
     found = read_written(tmp_path / "out.mcap").decoded("/support")
     assert [log_time for log_time, _ in found] == [START + n * S // 50 for n in range(50)]
     unknown = 0

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.gait import classes
-from dogbot_logtool.core.leg_position import leg_names, legs_in_order, quadruped
+from dogbot_logtool.core.leg_position import leg_names, legs_in_order
 from dogbot_logtool.core.metrics import Gait
 from dogbot_logtool.core.records import unknown
 
@@ -61,9 +61,8 @@ def test_loose_phases_are_irregular_but_the_nearest_class_is_named() -> None:
 
 def test_four_positions_make_a_quadruped_in_any_order() -> None:
     corners = [("back", "left"), ("front", "right"), ("front", "left"), ("back", "right")]
-    assert quadruped(corners) == (2, 1, 0, 3)
     assert legs_in_order(corners) == (2, 1, 0, 3)
-    assert quadruped([*corners[:3], None]) is None
+    assert legs_in_order([*corners[:3], None]) is None
 
 
 def test_two_and_six_feet_have_an_order_too() -> None:

@@ -1,22 +1,16 @@
 """The records of metrics, what is made of them, and why some are null."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from jsonschema import Draft202012Validator
 
-from dogbot_logtool.core.metrics import (
-    NEEDS,
-    WalkMetrics,
-)
-from dogbot_logtool.core.records import (
-    metric_paths,
-    to_json,
-    values,
-)
+from dogbot_logtool.core.metrics import NEEDS, Phase, WalkMetrics
+from dogbot_logtool.core.records import metric_paths, to_json, unknown, values
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.documents import schema
-from tests.measured import LogFacts, measured, measurement_of
+from tests.measured import measured, measurement_of
 from tests.paths import TROT, TROUBLED
 from tests.truth.outcome import outcome
 from tests.truth.walking import Walk
@@ -72,6 +66,12 @@ def test_json_follows_the_schema() -> None:
     assert not validator.is_valid({**to_json(walk), "spin": 1})
 
 
+def test_records_are_printed_and_compared() -> None:
+    nothing = unknown(Phase)
+    assert repr(nothing) == "Phase(mean=None, consistency=None, left_hind=None)"
+    assert nothing == unknown(Phase) != replace(nothing, mean=0.5)
+
+
 def nulls(walk: WalkMetrics) -> set[str]:
     """Paths of the metrics that are null though a log may have them."""
     found = [(path, field) for path, value, field in values(walk) if value is None]
@@ -89,7 +89,7 @@ def test_few_strides_are_little_confidence(tmp_path: Path) -> None:
 
 def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
     doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
-    walk = measurement_of(measured(TROT).walk, LogFacts(findings=[doubt])).metrics
+    walk = measurement_of(measured(TROT).walk, findings=[doubt]).metrics
 
     for feet in (walk.feet, *(each.feet for each in walk.gait.segments)):
         assert feet["front_left"].stance_s is None

@@ -46,9 +46,14 @@ def damaged_mcaps() -> Iterator[Case]:
         everything = tuple(range(12))
         yield Case(f"{size} bytes", mcap, data[:size], ANY, everything, number=None)
     lone = McapBytes([[MCAP(1, 5, b"a"), MCAP(77, 6, b"bb"), MCAP(2, 7, b"c")]])
-    _, data = built(lone, summary=False)
+    _, data = built(lone, summary=False, chunk_crc=False, data_crc=False)
     lone.topics = {**lone.topics, 77: "/lone"}
-    yield Case("undescribed", lone, data, "nowhere described", (1,), bytes=2)
+    for harmed in (data, flipped(data, lone.chunk_starts[0] + 9, 1)):
+        yield Case("undescribed", lone, harmed, "nowhere described", (1,), bytes=2)
+    mcap, data = built(small_mcap(""), summary=False, chunk_crc=False, data_crc=False)
+    first = mcap.chunks[1][0].record()
+    harmed = put(data, data.index(first) + 10, b"\xff")
+    yield Case("first of a chunk", mcap, harmed, "the index tells another", (4,), bytes=13)
 
 
 def mcaps_with_a_wrong_summary() -> Iterator[Case]:

@@ -154,7 +154,7 @@ def test_fields_become_the_loads_they_are(
         ("/state:legs[0]..z", "is no path of a field"),
         ("/stat:left.force", "did you mean /state?"),
         ("/state", "A field of its messages can be named: left=/state:FIELD"),
-        ("/state:left.force", "each needs a field of its own"),
+        ("/state:left.force", "needs a topic or a field of its own"),
     ],
 )
 def test_a_wrong_path_lists_what_there_is(states: Path, word: str, expected: str) -> None:

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
-from dogbot_logtool.robot.robot_model.urdf import read_robot
+from dogbot_logtool.robot.robot_model.urdf import legs_of_robot, read_robot
 
 Joint = tuple[str, str, str, str, str]
 """Type, parent, child, place and axis."""
@@ -49,7 +48,7 @@ NAMES = ["front_left", "front_right", "back_left", "back_right"]
 
 def test_legs_are_told_from_arms_and_sensors() -> None:
     robot = read_robot(urdf([*quadruped("trunk"), *ARM], ["trunk", "FL_calf", "FL_foot"]))
-    legs, axis = find_legs(robot, {})
+    legs, axis = legs_of_robot(robot, {})
     assert [leg.name for leg in legs] == NAMES
     assert [leg.foot for leg in legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
     assert (robot.base, robot.mass_kg, axis) == ("trunk", 6.0, "+x")
@@ -64,7 +63,7 @@ def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> Non
     joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
     robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
     assert robot.base == "trunk"
-    assert len(find_legs(robot, {})[0]) == 4
+    assert len(legs_of_robot(robot, {})[0]) == 4
 
 
 def test_a_root_that_is_the_base_stays() -> None:
@@ -73,8 +72,8 @@ def test_a_root_that_is_the_base_stays() -> None:
 
 
 def test_names_tell_where_forward_is_and_places_where_names_do_not() -> None:
-    assert find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})[1] == "-x"
-    legs, axis = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
+    assert legs_of_robot(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})[1] == "-x"
+    legs, axis = legs_of_robot(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
     assert ([leg.name for leg in legs], axis) == (NAMES, "+x")
 
 
@@ -86,7 +85,7 @@ def test_wheels_are_no_legs(name: str) -> None:
     ]
     robot = read_robot(urdf([*quadruped("trunk"), *wheels]))
     with pytest.raises(ValueError, match=f"wheels, {name.format('FL')}, "):
-        find_legs(robot, {})
+        legs_of_robot(robot, {})
 
 
 def test_a_biped_with_a_waist_and_toes() -> None:
@@ -94,7 +93,9 @@ def test_a_biped_with_a_waist_and_toes() -> None:
     for side, y in (("left", 0.1), ("right", -0.1)):
         joints += leg("pelvis", side, 0.0, y)
         joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
-    legs, _ = find_legs(read_robot(urdf(joints, ["torso"])), {})
+        # A spring that hangs beside it on the same leg.
+        joints.append(("revolute", f"{side}_calf", f"{side}_rod", "0.05 0 -0.15", "0 1 0"))
+    legs, _ = legs_of_robot(read_robot(urdf(joints, ["torso"])), {})
     assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
 
 
@@ -125,7 +126,7 @@ def without_feet(shape: str) -> str:
 def test_a_foot_without_a_link_is_where_the_last_link_ends(
     shape: str, point: tuple[float, float, float], radius: float
 ) -> None:
-    (first, *_), _ = find_legs(read_robot(without_feet(shape)), {})
+    (first, *_), _ = legs_of_robot(read_robot(without_feet(shape)), {})
     assert (first.foot, first.radius_m) == ("FL_calf", radius)
     assert first.point == pytest.approx(point)
 
@@ -133,7 +134,7 @@ def test_a_foot_without_a_link_is_where_the_last_link_ends(
 def test_feet_that_nothing_places_are_named() -> None:
     robot = read_robot(without_feet(""))
     with pytest.raises(ValueError, match="where the feet of FL_calf, FR_calf"):
-        find_legs(robot, {})
+        legs_of_robot(robot, {})
 
 
 def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
@@ -143,13 +144,13 @@ def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
     ]
     robot = read_robot(urdf(lying))
     with pytest.raises(ValueError, match="z axis is not up"):
-        find_legs(robot, {})
+        legs_of_robot(robot, {})
     # A root above it whose z axis is up is the base.
     turn = '<origin rpy="1.5707963 0 0"/>'
     root = f'<joint name="r" type="fixed"><parent link="r"/><child link="trunk"/>{turn}</joint>'
     robot = read_robot(urdf(lying, ["trunk"]).replace("</robot>", f"{root}</robot>"))
     assert robot.base == "r"
-    assert len(find_legs(robot, {})[0]) == 4
+    assert len(legs_of_robot(robot, {})[0]) == 4
 
 
 URDF = """<robot name="r">
@@ -163,24 +164,12 @@ URDF = """<robot name="r">
   </joint>
   <joint name="sole" type="fixed"><parent link="leg"/><child link="foot"/></joint>
   <joint name="free" type="floating"><parent link="leg"/><child link="ball"/></joint>
-  <joint name="no child" type="fixed"><parent link="leg"/></joint>
-  <joint name="no axis" type="revolute">
-    <parent link="leg"/><child link="x"/><axis xyz="0 0 0"/>
-  </joint>
-  <joint name="words" type="fixed">
-    <origin xyz="1 two 3"/><parent link="leg"/><child link="y"/>
-  </joint>
-  <joint name="short" type="fixed"><origin xyz="1 2"/><parent link="leg"/><child link="z"/></joint>
-  <joint name="nan" type="fixed">
-    <origin rpy="nan 0 0"/><parent link="leg"/><child link="n"/>
-  </joint>
 </robot>"""
 
 
 def test_joints_that_are_understood() -> None:
     robot = read_robot(URDF)
     hip, wheel, finger, sole = robot.joints
-    assert robot.left_out == 5
     assert (hip.name, hip.parent, hip.child, hip.kind) == ("hip", "base", "leg", "revolute")
     assert hip.translation == (0.1, 0.2, 0.3)
     assert hip.rotation == pytest.approx((0.0, 0.0, 0.5**0.5, 0.5**0.5))
@@ -195,13 +184,23 @@ def test_joints_that_are_understood() -> None:
     assert (sole.kind, sole.rotation) == ("fixed", (0.0, 0.0, 0.0, 1.0))
 
 
-def test_circles_and_second_parents_are_left_out() -> None:
-    pairs = ["base a", "b a", "a b", "c d", "d c", "d e", "b f"]
-    text = "".join(
-        f'<joint name="{pair}" type="fixed"><parent link="{pair[:-2]}"/>'
-        f'<child link="{pair[-1]}"/></joint>'
-        for pair in pairs
-    )
-    robot = read_robot(f"<robot>{text}</robot>")
-    assert [joint.name for joint in robot.joints] == ["base a", "a b", "b f"]
-    assert robot.left_out == 4
+LEG = '<parent link="leg"/><child link="x"/>'
+FAULTY = {
+    '<joint name="j" type="fixed"><parent link="leg"/></joint>': "j: it lacks a name, a link",
+    f'<joint name="j" type="revolute">{LEG}<axis xyz="0 0 0"/></joint>': "j: it lacks .*an axis",
+    f'<joint name="j" type="fixed">{LEG}<origin xyz="1 two 3"/></joint>': "j: could not convert",
+    f'<joint name="j" type="fixed">{LEG}<origin xyz="1 2"/></joint>': "j: not enough values",
+    f'<joint name="j" type="fixed">{LEG}<origin rpy="nan 0 0"/></joint>': "j: 'nan' is not finite",
+    f'<joint name="j" type="revolute">{LEG}<limit lower="low"/></joint>': "could not convert",
+    '<link name="foot"><inertial><mass value="x"/></inertial></link>': "could not convert",
+    '<joint name="j" type="fixed"><parent link="b"/><child link="a"/></joint>'
+    '<joint name="k" type="fixed"><parent link="a"/><child link="b"/></joint>': "in a circle",
+    '<joint name="j" type="fixed"><parent link="leg"/><child link="foot"/></joint>': "two parents",
+    '<joint name="j" type="fixed"/>' * 401: "more than 400",
+}
+
+
+@pytest.mark.parametrize("faulty", FAULTY, ids=FAULTY.values())
+def test_a_description_with_a_fault_says_why_it_is_not_used(faulty: str) -> None:
+    with pytest.raises(ValueError, match=FAULTY[faulty]):
+        read_robot(URDF.replace("</robot>", f"{faulty}</robot>"))

@@ -14,8 +14,8 @@ from mcap_ros2.decoder import DecoderFactory
 import dogbot_logtool as dl
 from tests.truth.free_walker import HEAVY_KG, biped, quadruped
 from tests.truth.parts import urdf
-from tests.truth.physics import Physics, resized, write_bare_log
-from tests.truth.recording import Floats
+from tests.truth.physics import Physics, resized, write_bare_log, write_log
+from tests.truth.recording import Floats, product, turned
 
 Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
 ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {
@@ -102,6 +102,37 @@ def test_trot_by_torques(tmp_path: Path) -> None:
     assert {"CONTACT_ESTIMATED", "BASE_FROM_LEGS"} <= codes(walk).keys()
 
 
+@pytest.mark.parametrize("heading_rad", [0.0, 2.0])
+def test_poses_place_the_feet_that_joints_tell(heading_rad: float, tmp_path: Path) -> None:
+    truth = robot("trot")
+    half = [0.0, 0.0, np.sin(heading_rad / 2.0), np.cos(heading_rad / 2.0)]
+    north = replace(
+        truth,
+        base=turned(np.array([half]), truth.base),
+        attitude=product(np.array([half]), truth.attitude),
+    )
+    log = write_log(tmp_path / "log.mcap", north, by_transforms=False, every=5, with_feet=False)
+    stats = dl.measure(log).stats
+    assert stats["settings"]["contact_from"] == "joint_torques"
+    assert stats["settings"]["base_from"] == "pose"
+    assert stats["gait"]["name"] == "trot"
+    assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, rel=0.01)
+    assert stats["forces"]["vertical_impulse_over_weight"] == pytest.approx(1.0, abs=0.1)
+    braking = -truth.force[:, :, 0].clip(max=0.0).mean(axis=0) * 0.5
+    for foot, true in zip(stats["feet"].values(), braking, strict=True):
+        assert foot["stride_length_m"]["median"] == pytest.approx(truth.speed_mps / 2.0, rel=0.02)
+        assert foot["braking_impulse_ns"]["mean"] == pytest.approx(true, abs=0.8)
+
+
+def test_sensors_without_poses_keep_their_gait_where_joints_tell_nothing(tmp_path: Path) -> None:
+    log = write_log(
+        tmp_path / "log.mcap", robot("trot"), by_transforms=False, every=20, with_poses=False
+    )
+    stats = dl.measure(log).stats
+    assert (stats["settings"]["contact_from"], stats["gait"]["name"]) == ("sensor", "trot")
+    assert stats["base"]["forward_speed_mps"] is None
+
+
 FAULTS: Final[Mapping[str, tuple[Change, str]]] = {
     "empty": (no_efforts, "efforts are empty or zero"),
     "zero": (lambda p, v, e: (p, v, 0.0 * e), "efforts are empty or zero"),
@@ -140,10 +171,11 @@ def noisy(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, .
     ("change", "every", "why"),
     [
         (SOURCES["joint_torques"], 20, "joint states come 12 times in a stride, too rarely"),
-        (stuck, 5, "RR_thigh_joint tells one position for 6 s while other legs move"),
+        (SOURCES["joint_torques"], 200, "too few joint states tell the positions of all joints"),
+        (stuck, 5, "RR_thigh_joint tells one position while other legs move"),
         (noisy, 1, "positions of joints are not exact enough"),
     ],
-    ids=["rare", "stuck", "noisy"],
+    ids=["rare", "too few", "stuck", "noisy"],
 )
 def test_joints_that_do_not_tell_surely_tell_nothing(
     change: Change, every: int, why: str, tmp_path: Path
@@ -151,6 +183,23 @@ def test_joints_that_do_not_tell_surely_tell_nothing(
     walk = measured(tmp_path, robot("trot").telling(change), every=every)
     assert why in codes(walk)["NO_FEET"]
     assert walk.stats["base"]["forward_speed_mps"] is None
+
+
+def test_descriptions_that_do_not_fit_the_log_tell_nothing(tmp_path: Path) -> None:
+    truth = robot("trot")
+    for other, why in (
+        (replace(truth, joints=("knee", *truth.joints[1:])), "do not tell of FL_hip_joint"),
+        (replace(truth, parts=truth.parts[:5]), "the robot description has no two legs"),
+    ):
+        assert why in codes(measured(tmp_path, other))["NO_FEET"]
+
+
+def test_efforts_of_a_robot_of_unknown_mass_tell_no_forces(tmp_path: Path) -> None:
+    truth = robot("trot")
+    light = replace(truth, parts=tuple(replace(part, kg=0.0) for part in truth.parts))
+    walk = measured(tmp_path, light)
+    assert "the mass is not known" in codes(walk)["CONTACT_ESTIMATED"]
+    assert (walk.stats["settings"]["contact_from"], walk.gait.name) == ("kinematics", "trot")
 
 
 @pytest.mark.parametrize(

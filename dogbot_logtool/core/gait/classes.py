@@ -30,17 +30,12 @@ def class_distances(phases: Floats, duty: Floats) -> dict[str, Floats]:
         duty: (n,) duty factors, which decide between walk and amble or run.
 
     Returns:
-        (n,) distance for each class; NaN where a phase is not known. Empty for any other number
-        of feet. Of two classes at the same distance the first one counts.
+        (n,) distance for each class; NaN where a phase is not known. Of two classes at the same
+        distance the first one counts.
     """
-    match phases.shape[1]:
-        case 2:
-            return _of_two_feet(phases, duty)
-        case 4:
-            return _of_four_feet(phases, duty)
-        case 6:
-            return _of_six_feet(phases)
-    return {}
+    if phases.shape[1] == 6:
+        return _of_six_feet(phases)
+    return (_of_two_feet if phases.shape[1] == 2 else _of_four_feet)(phases, duty)
 
 
 def _of_two_feet(phases: Floats, duty: Floats) -> dict[str, Floats]:
@@ -213,30 +208,14 @@ def halfway(first: Floats, second: Floats) -> Floats:
     return middle
 
 
-def with_limb_phases(gait: Gait, phases: Sequence[float]) -> Gait:
-    """Return a gait with what the hind footfalls precede the fore ones of their sides by.
-
-    Source: Hildebrand 1965. Their mean on the circle is the diagonality: 0 pace, 0.25
-    lateral-sequence walk, 0.5 trot, 0.75 diagonal-sequence walk; none of sides that are half a
-    cycle apart. Source: Cartmill, Lemelin and Schmitt 2002, Zool. J. Linn. Soc. 136:401.
-
-    Args:
-        gait: without them.
-        phases: cycles, of front left, front right, back left, back right.
-    """
-    front_left, front_right, back_left, back_right = phases
-    sides = (front_left - back_left) % 1.0, (front_right - back_right) % 1.0
-    mean, consistency = circular_mean(np.array(sides)) or (0.0, 0.0)
-    middle = mean if consistency > 1e-6 else None
-    return replace(gait, limb_phase=LimbPhase(*sides), diagonality=middle)
-
-
 CONSISTENT: Final = 0.8
 """R that the phases of every foot must exceed."""
 STAND: Final = "stand"
 IRREGULAR: Final = "irregular"
 FLIGHT: Final = 0.02
 """Fraction of time in flight from which a gait is no amble."""
+FEWEST_STRIDES: Final = 3
+"""Strides from which phases can be consistent."""
 _SAME: Final = 9
 """Decimals to which two distances must agree to count as equal."""
 
@@ -245,42 +224,51 @@ def classify(gait: Gait, phases: Sequence[float], consistency: Sequence[float]) 
     """Name a gait by its mean phases, its duty factor and its time in flight.
 
     Args:
-        gait: with its duty factor, without a class.
+        gait: with its duty factor and strides, without a class.
         phases: cycles, known of all feet in the order of `class_distances`.
         consistency: R of each.
-
-    Returns:
-        The gait as it is where gaits of so many feet have no names.
     """
-    table = np.array([phases], np.float64)
-    by_name = class_distances(table, np.array([gait.duty_factor], np.float64))
+    by_name = class_distances(np.array([phases]), np.array([gait.duty_factor], np.float64))
     distances = {name: round(float(value[0]), _SAME) for name, value in by_name.items()}
-    if not distances:
-        return gait
     nearest = min(distances, key=distances.__getitem__)
     distance = distances[nearest]
-    fits = distance <= TOLERANCE and all(each > CONSISTENT for each in consistency)
-    if nearest == "amble" and (gait.flight_fraction or 0.0) > FLIGHT:
-        fits = False
-    name = nearest if fits else IRREGULAR
-    return replace(
+    flies = nearest == "amble" and (gait.flight_fraction or 0.0) > FLIGHT
+    fits = distance <= TOLERANCE and min(consistency) > CONSISTENT and not flies
+    fit = max(0.0, 1.0 - distance / (2.0 * TOLERANCE))
+    enough = min(1.0, (gait.strides or 0) / FEWEST_STRIDES)
+    named = replace(
         gait,
-        name=name,
-        sequence=_sequence(name, table[0]),
+        name=nearest if fits else IRREGULAR,
+        confidence=fit * min(consistency) * enough,
         nearest_name=nearest,
         class_distance=distance,
     )
+    return _of_pairs(named, phases) if len(phases) == 4 else named
 
 
-def _sequence(name: str, phases: Floats) -> str | None:
-    """Return the order of the feet, where the class leaves it open."""
-    if len(phases) != 4:
-        return None
+def _of_pairs(gait: Gait, phases: Sequence[float]) -> Gait:
+    """Add what the hind footfalls precede the fore ones of their sides by, and the sequence.
+
+    Source: Hildebrand 1965. Their mean on the circle is the diagonality: 0 pace, 0.25
+    lateral-sequence walk, 0.5 trot, 0.75 diagonal-sequence walk; none of sides that are half a
+    cycle apart. Source: Cartmill, Lemelin and Schmitt 2002, Zool. J. Linn. Soc. 136:401.
+
+    Args:
+        gait: with its class, which may leave the sequence of the feet open.
+        phases: cycles, of front left, front right, back left, back right.
+    """
     front_left, front_right, back_left, back_right = phases
-    if name in {"walk", "amble"}:
-        left, right = wrapped(np.array([front_left - back_left, front_right - back_right]))
-        return "lateral" if wrapped(left + wrapped(right - left) / 2.0) > 0.0 else "diagonal"
-    if name == "gallop":
+    sides = (front_left - back_left) % 1.0, (front_right - back_right) % 1.0
+    mean, consistency = circular_mean(np.array(sides)) or (0.0, 0.0)
+    sequence = None
+    if gait.name in {"walk", "amble"}:
+        sequence = "lateral" if mean < 0.5 else "diagonal"
+    elif gait.name == "gallop":
         fore, hind = wrapped(np.array([front_right - front_left, back_right - back_left]))
-        return "transverse" if fore * hind > 0.0 else "rotary"
-    return None
+        sequence = "transverse" if fore * hind > 0.0 else "rotary"
+    return replace(
+        gait,
+        sequence=sequence,
+        limb_phase=LimbPhase(*sides),
+        diagonality=mean if consistency > 1e-6 else None,
+    )

@@ -9,7 +9,6 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
-    Floats,
     Ints,
     circular_mean,
     median_of,
@@ -23,11 +22,10 @@ from dogbot_logtool.core.gait.classes import (
     classify,
     phases_by_stride,
     phases_in,
-    with_limb_phases,
 )
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import Standing, Strides, Support, support
-from dogbot_logtool.core.leg_position import legs_in_order, quadruped
+from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.metrics import Gait, Phase, SupportSet
 from dogbot_logtool.core.records import Number, unknown
 
@@ -40,8 +38,6 @@ DRIFT: Final = 2.0 * TOLERANCE
 BORDER: Final = 1.2 * TOLERANCE
 """So does one that another class fits better, up to this distance: a walk at the border of two
 classes is of one."""
-FEWEST_STRIDES: Final = 3
-"""Strides from which phases can be consistent."""
 LONGEST_TRANSITION: Final = 4
 """Strides; more of them between two gaits are a segment of their own, however irregular."""
 _NONE: Final = -1
@@ -161,13 +157,11 @@ def _labels(feet: Sequence[FootSteps], walked: Strides) -> tuple[Ints, Ints]:
     (n,) each; `_NONE`: it fits none. One class for all where gaits of so many feet have no names.
     """
     order = legs_in_order([foot.leg_position for foot in feet]) or ()
-    classes: dict[str, Floats] = {}
-    if order and len(walked.end):
-        phases = [phases_by_stride(walked, feet[foot].touchdown) for foot in order]
-        classes = class_distances(np.stack(phases, axis=1), walked.duty_factor)
-    if not classes:
+    if not order or not len(walked.end):
         nameless = np.zeros(len(walked.end), np.int64)
         return nameless, nameless
+    phases = [phases_by_stride(walked, feet[foot].touchdown) for foot in order]
+    classes = class_distances(np.stack(phases, axis=1), walked.duty_factor)
     distance = np.nan_to_num(np.stack(list(classes.values()), axis=1), nan=np.inf)
     fits = np.where(distance.min(axis=1) <= TOLERANCE, distance.argmin(axis=1), _NONE)
     label = fits.copy()
@@ -247,15 +241,9 @@ def _phase(foot: FootSteps, strides: Strides | None) -> tuple[Number, Number]:
 
 def _named(gait: Gait, feet: Sequence[FootSteps]) -> Gait:
     """Name a gait by the phases of its feet, where all of these are known."""
-    positions, phases = [foot.leg_position for foot in feet], [*gait.phase.values()]
-    ordered = [phases[row] for row in legs_in_order(positions) or ()]
+    phases = [*gait.phase.values()]
+    ordered = [phases[row] for row in legs_in_order([foot.leg_position for foot in feet]) or ()]
     means = [each.mean for each in ordered if each.mean is not None]
     consistency = [each.consistency for each in ordered if each.consistency is not None]
-    if not means or len(means) < len(feet):
-        return gait
-    gait = classify(gait, means, consistency)
-    if gait.class_distance is not None:
-        fit = max(0.0, 1.0 - gait.class_distance / (2.0 * TOLERANCE))
-        enough = min(1.0, (gait.strides or 0) / FEWEST_STRIDES)
-        gait = replace(gait, confidence=fit * min(consistency) * enough)
-    return with_limb_phases(gait, means) if quadruped(positions) else gait
+    known = means and len(means) == len(feet)
+    return classify(gait, means, consistency) if known else gait

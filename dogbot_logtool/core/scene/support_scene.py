@@ -61,7 +61,7 @@ class SupportScene:
 
 @np.errstate(over="ignore", invalid="ignore")
 def support_scene(
-    poses: Odometry, feet: Sequence[DrawnFoot], com_offset_m: Sequence[float] = (0.0, 0.0, 0.0)
+    poses: Odometry, feet: Sequence[DrawnFoot], com_offset_m: Sequence[float]
 ) -> SupportScene:
     """Compute what the robot stands on.
 
@@ -70,10 +70,8 @@ def support_scene(
         feet: all feet of the robot.
         com_offset_m: m, the centre of mass from the base's frame, in its axes.
     """
-    body = poses.position
-    if any(com_offset_m):
-        offset = np.broadcast_to(np.array(com_offset_m, np.float64), body.shape)
-        body = body + rotate(normalised(poses.orientation), offset)
+    offset = np.array([com_offset_m], np.float64)
+    body = poses.position + rotate(normalised(poses.orientation), offset)
     known, down, point, vertical = (
         np.stack(column, axis=1)
         for column in zip(*(foot.at(poses.log_time) for foot in feet), strict=True)
@@ -185,8 +183,8 @@ def leg_lines(poses: Odometry, feet: Sequence[DrawnFoot], hips: Floats) -> LegLi
     turn = normalised(poses.orientation)
     for column, (foot, hip) in enumerate(zip(feet, hips, strict=True)):
         state = foot.at(poses.log_time)
-        turned = rotate(turn, np.broadcast_to(hip, poses.position.shape))
-        ends[:, column] = np.stack([poses.position + turned, state.point], axis=1)
+        ends[:, column, 0] = poses.position + rotate(turn, hip[None])
+        ends[:, column, 1] = state.point
         ends[~(state.down & state.known), column] = np.nan
     ends[~np.isfinite(ends).all(axis=(2, 3))] = np.nan
     return LegLines(poses.log_time, poses.time, ends)

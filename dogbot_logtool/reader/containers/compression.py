@@ -50,14 +50,9 @@ _MAX_BATCH_RATIO: Final = 40
 """A batch must not swell to more than this times its size, or `_BATCH_BUDGET`."""
 
 
-def check_claimed_size(claimed: int, compressed: int) -> None:
-    """Refuse a chunk whose claimed size cannot be honest, before memory is set aside for it.
-
-    Raises:
-        ChunkDamage: saying what it claims.
-    """
-    if claimed > MAX_CHUNK_SIZE or claimed > max(_UNSUSPICIOUS_SIZE, _MAX_RATIO * compressed):
-        raise ChunkDamage(f"it claims to hold {claimed} bytes in {compressed}")
+def is_honest_size(claimed: int, compressed: int) -> bool:
+    """Tell whether the claimed size of a chunk can be true."""
+    return claimed <= min(MAX_CHUNK_SIZE, max(_UNSUSPICIOUS_SIZE, _MAX_RATIO * compressed))
 
 
 def decompress_into(target: Bytes, data: memoryview, compression: str) -> int:

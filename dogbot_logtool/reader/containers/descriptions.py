@@ -49,11 +49,7 @@ class Descriptions:
         """Return those of a kind."""
         return [each for each in self.first.values() if each.kind == kind]
 
-    def add(self, records: Iterable[bytes], offset: int) -> list[Loss]:
-        """Compare records as `compare` does; what is not described yet is now."""
-        return self.compare(records, offset, adding=True)
-
-    def compare(self, records: Iterable[bytes], offset: int, *, adding: bool = False) -> list[Loss]:
+    def compare(self, records: Iterable[bytes], offset: int, *, adding: bool) -> list[Loss]:
         """Return what to say of records that differ from the first ones, or are malformed.
 
         Args:

@@ -8,13 +8,13 @@ from abc import abstractmethod
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes
-from dogbot_logtool.reader.containers.compression import check_claimed_size, decompress_into
+from dogbot_logtool.reader.containers.compression import decompress_into, is_honest_size
 from dogbot_logtool.reader.containers.descriptions import Description, Descriptions
 from dogbot_logtool.reader.containers.log import (
     Batch,
@@ -58,20 +58,6 @@ Times = tuple[int | None, int | None]
 """ns, of a first and a last message; None: not known."""
 
 
-class IndexEntry(NamedTuple):
-    """What the log's index says of a chunk."""
-
-    start_time: int | None
-    """ns; also `end_time`."""
-    end_time: int | None
-    counts: Mapping[int, int] | None
-    """Messages by channel id."""
-
-    def added_to(self, chunk: Chunk) -> Chunk:
-        """Return a chunk with what the entry says."""
-        return chunk._replace(**self._asdict())
-
-
 class UnusableIndex(Exception):  # noqa: N818 - it never reaches a user; `Loss` does
     """A file's index is absent, damaged, incomplete or contradicts the chunks."""
 
@@ -99,8 +85,8 @@ class RecordLog(Log):
         self.chunks: list[Chunk] = []
         self.extras: list[Extra] = []
         self._losses: list[Loss] = []
-        self._index_entries: dict[int, IndexEntry] = {}
-        """By offset of the chunk."""
+        self._stated: dict[int, Mapping[str, Any]] = {}
+        """By offset of the chunk: its `start_time`, `end_time` and `counts` by the log's index."""
         self._outside: list[tuple[int, int]] = []
         """Offset and end of descriptions outside of chunks."""
         self._cut_off: int | None = None
@@ -154,8 +140,10 @@ class RecordLog(Log):
         """
         offset = start
         while offset < end:
-            chunk = named.get(offset)
-            self.chunks += [chunk] if chunk else []
+            if chunk := named.get(offset):
+                if _impossible(chunk, self.source.size):
+                    return False
+                self.chunks.append(chunk)
             following = chunk.index_end if chunk else self._step(offset)
             if following is None:
                 return False
@@ -178,8 +166,13 @@ class RecordLog(Log):
         self._losses += self._take_outside()
         self.channels = self._described_channels()
         self.chunks = [self._without_undescribed(chunk) for chunk in self.chunks]
-        self.counts = self._counted()
-        self.start_time, self.end_time = time_range(self.chunks)
+        self._finish(self._counted())
+
+    def _finish(self, counts: Mapping[int, int]) -> None:
+        """Say what the log holds, by its chunks and the messages of each channel."""
+        self.counts = counts
+        filled = [chunk for chunk in self.chunks if chunk.messages != 0]
+        self.start_time, self.end_time = time_range(filled)
         self._conclude()
         self.losses = summed_up(self._losses)
 
@@ -188,7 +181,7 @@ class RecordLog(Log):
         losses: list[Loss] = []
         for offset, end in self._outside:
             record = self.source.read(offset, min(end - offset, _LARGEST_DESCRIPTION))
-            losses += self.descriptions.add([record], offset)
+            losses += self.descriptions.compare([record], offset, adding=True)
         return losses
 
     def _counted(self) -> dict[int, int]:
@@ -236,7 +229,7 @@ class RecordLog(Log):
                 # It is cut off, or its length is damaged.
                 end = next_sound(self._format, self.source.read, chunk.data_offset, size)
             self._cut_off = chunk.offset if chunk.end > size == end else None
-        known = chunk._replace(end=end, index_end=end, is_scanned=True)
+        known = chunk._replace(end=end, index_end=end)
         known = known._replace(data_size=min(chunk.data_size, end - chunk.data_offset))
         if not chunk.is_compressed and end < size:
             known = known._replace(size=known.data_size)
@@ -271,9 +264,7 @@ class RecordLog(Log):
         if stop:
             if self._is_behind_damage:
                 self._doubtful.add(offset)
-            self.chunks.append(
-                Chunk(offset, offset, stop, behind, behind, "", stop, is_scanned=True)
-            )
+            self.chunks.append(Chunk(offset, offset, stop, behind, behind, "", stop))
         return behind if goes_on else self._search(behind)
 
     def _run(self, offset: int, end: int) -> tuple[Bytes, list[int]]:
@@ -312,8 +303,7 @@ class RecordLog(Log):
                 )
                 self._losses.append(Loss(chunk.offset, what, chunk.size, None))
                 continue
-            entry = self._index_entries.get(chunk.offset)
-            known = entry.added_to(chunk) if entry else chunk
+            known = chunk._replace(**self._stated.get(chunk.offset, {}))
             try:
                 self.chunks.append(self._read_chunk(known))
                 behind_damage = False
@@ -325,23 +315,20 @@ class RecordLog(Log):
 
     def _read_chunk(self, chunk: Chunk) -> Chunk:
         content = self._content(chunk)
-        losses = self.descriptions.add(content.described, chunk.offset)
+        losses = self.descriptions.compare(content.described, chunk.offset, adding=True)
         self._losses += [*content.losses, *losses]
         times = content.messages.log_time
         start, end = (int(times.min()), int(times.max())) if len(times) else (None, None)
-        return chunk._replace(
-            start_time=start, end_time=end, counts=counts_by_channel(content.messages)
-        )
+        counts = counts_by_channel(content.messages)
+        return chunk._replace(start_time=start, end_time=end, counts=counts, is_scanned=True)
 
     def _without_undescribed(self, chunk: Chunk) -> Chunk:
         """Leave out the messages of a chunk that no channel describes, and say which those are."""
-        counts = chunk.counts or {}
-        known = {number: n for number, n in counts.items() if number in self.channels}
-        if len(known) < len(counts):
-            messages = self._content(chunk).messages
-            strange = ~np.isin(messages.channel, [*self.channels])
-            self._losses.append(undescribed(chunk, messages.pick(strange)))
-        return chunk._replace(counts=known)
+        if self.channels.keys() >= (chunk.counts or {}).keys():
+            return chunk
+        messages, losses = self._described(chunk, self._content(chunk).messages)
+        self._losses += losses
+        return chunk._replace(counts=counts_by_channel(messages))
 
     # Read them.
 
@@ -351,19 +338,10 @@ class RecordLog(Log):
         Raises:
             ChunkDamage: nothing in the chunk can be trusted.
         """
-        self._check(chunk)
+        if why := _impossible(chunk, self.source.size):
+            raise ChunkDamage(why)
         stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
         return self._parse(chunk, memoryview(stored), np.empty(chunk.size, np.uint8))
-
-    def _check(self, chunk: Chunk) -> None:
-        """Check what a chunk claims before memory is set aside for it.
-
-        Raises:
-            ChunkDamage: it cannot be true.
-        """
-        check_claimed_size(chunk.size, chunk.data_size)
-        if chunk.data_offset + chunk.data_size > self.source.size:
-            raise ChunkDamage("it is cut off by the end of the file")
 
     def _parse(self, chunk: Chunk, stored: memoryview, target: Bytes) -> ChunkContent:
         """Decompress a chunk into the target and find its messages.
@@ -385,7 +363,7 @@ class RecordLog(Log):
                 raise ChunkDamage(f"its {chunk.compression} data is damaged or cut off")
             if crc and crc32(target.data) != crc:
                 raise ChunkDamage("its checksum does not hold")
-            if losses and not crc:
+            if losses and not (crc or chunk.is_scanned):
                 raise ChunkDamage("its header is damaged, and it has no checksum")
         except ChunkDamage as damage:
             raise ChunkDamage(str(damage), len(index.offset) if index else None) from damage
@@ -401,31 +379,25 @@ class RecordLog(Log):
         return self._only_batch
 
     def _of_chunks(self, span: Sequence[Chunk]) -> Batch:
-        sound: list[Chunk] = []
         losses: list[Loss] = []
-        for chunk in span:
-            try:
-                self._check(chunk)
-                sound.append(chunk)
-            except ChunkDamage as damage:
-                losses.append(left_out(chunk, damage))
-        ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in sound]
+        ranges = [(chunk.offset, chunk.index_end - chunk.offset) for chunk in span]
         stored = [memoryview(data) for data in self.source.read_many(ranges)]
 
-        size = sum(chunk.size for chunk in sound)
+        size = sum(chunk.size for chunk in span)
         # The allocator reuses blocks of the same size, which keeps each process smaller.
         buffer = np.empty(size + -size % _ROUND_SIZE, np.uint8)[:size]
         loaded: list[LoadedChunk] = []
         parts: list[Messages] = []
         base = row = 0
-        for chunk, data in zip(sound, stored, strict=True):
+        for chunk, data in zip(span, stored, strict=True):
             try:
                 content = self._parse(chunk, data, buffer[base : base + chunk.size])
             except ChunkDamage as damage:
                 losses.append(left_out(chunk, damage))
                 continue
-            messages, found = self._described(chunk, content)
-            found += self.descriptions.compare(content.described, chunk.offset)
+            messages, found = self._described(chunk, content.messages)
+            found += content.losses
+            found += self.descriptions.compare(content.described, chunk.offset, adding=False)
             rows = slice(row, row + len(messages))
             whole = (
                 chunk.is_record
@@ -448,14 +420,12 @@ class RecordLog(Log):
         found = map(self.descriptions.decode, described)
         return all(each and (each.kind, each.number) in kept for each in found)
 
-    def _described(self, chunk: Chunk, content: ChunkContent) -> tuple[Messages, list[Loss]]:
+    def _described(self, chunk: Chunk, messages: Messages) -> tuple[Messages, list[Loss]]:
         """Leave out messages whose channels are nowhere described."""
-        messages, losses = content.messages, list(content.losses)
         known = np.isin(messages.channel, [*self.channels, *self.hidden])
-        if not known.all():
-            losses.append(undescribed(chunk, messages.pick(~known)))
-            messages = messages.pick(known)
-        return messages, losses
+        if known.all():
+            return messages, []
+        return messages.pick(known), [undescribed(chunk, messages.pick(~known))]
 
     # Where and when.
 
@@ -475,6 +445,15 @@ class RecordLog(Log):
         if before is not None and after is not None:
             before, after = sorted((before, after))
         return loss._replace(start_time=before, end_time=after)
+
+
+def _impossible(chunk: Chunk, file_size: int) -> str:
+    """Return why what a chunk claims cannot be true, before memory is set aside for it."""
+    if chunk.data_offset + chunk.data_size > min(chunk.end, file_size):
+        return "it is cut off by the end of the file"
+    if is_honest_size(chunk.size, chunk.data_size):
+        return ""
+    return f"it claims to hold {chunk.size} bytes in {chunk.data_size}"
 
 
 def open_records(new_log: Callable[[ByteSource], RecordLog], source: ByteSource) -> RecordLog:

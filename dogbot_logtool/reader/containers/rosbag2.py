@@ -48,11 +48,8 @@ def read_metadata(folder: Location) -> Metadata:
     try:
         data = content(folder / ROSBAG2_METADATA, _LARGEST)
     except CallError as error:
-        raise UnusableMetadata("it is missing or cannot be opened") from error
-    except OSError as error:
-        raise UnusableMetadata(f"it cannot be read: {error.strerror}") from error
-    if data is None:
-        raise UnusableMetadata(f"it is larger than {_LARGEST >> 10} kB")
+        what = str(error).removeprefix(f"{name_of(folder / ROSBAG2_METADATA)}: ")
+        raise UnusableMetadata(f"it {what}".replace("it no such file", "it is missing")) from error
     text = data.decode("utf-8-sig", "replace")
     found = re.search(_FILES, text)
     if found is None:

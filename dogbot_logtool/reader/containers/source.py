@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 
@@ -157,13 +157,10 @@ class RemoteSource(ByteSource):
             facts: what the store says about it.
 
         Raises:
-            CallError: it is a directory.
             LogError: the store does not give its size.
         """
         self.path = url
         self._url = url
-        if facts.is_folder:
-            raise CallError(f"{storage.name_of(url)}: is a directory, not a log file")
         if facts.size is None:
             raise LogError(
                 f"{storage.name_of(url)}: its server does not tell its size, so that it cannot be "
@@ -217,33 +214,21 @@ class RemoteSource(ByteSource):
         return self._fetch([(start, min(start + self._block_size, self.size))])[0]
 
     def _fetch(self, runs: Sequence[_Run]) -> list[bytes]:
-        def answers() -> list[bytes]:
-            found = _cat(self._url, runs)
+        url = self._url
+        starts, ends = [run[0] for run in runs], [run[1] for run in runs]
+        # A small server has no room for a hundred connections at once, and leaves some waiting.
+        options = {"batch_size": _AT_ONCE} if url.protocol in {"http", "https"} else {}
+        with storage.asking(url):
+            names = [url.path] * len(runs)
+            found: list[Any] = url.fs.cat_ranges(names, starts, ends, **options)
             for (start, end), answer in zip(runs, found, strict=True):
                 if isinstance(answer, BaseException):
                     raise answer
                 if len(answer) > end - start:
                     raise LogError(
-                        f"{storage.name_of(self.path)}: its server sends more than the parts that "
-                        "are asked for; download it first"
+                        f"{storage.name_of(url)}: its server sends more than the parts that are "
+                        "asked for; download it first"
                     )
                 if len(answer) < end - start:
                     raise OSError("it sends less than was asked for")
-            return found
-
-        return storage.asked(self.path, answers) if runs else []
-
-
-def _cat(url: "UPath", runs: Sequence[_Run]) -> list[Any]:
-    """Return bytes, or the error, for each run; a stall is an error."""
-    from fsspec.asyn import AsyncFileSystem, sync  # noqa: PLC0415 - only URLs need it
-
-    names, starts, ends = [url.path] * len(runs), [run[0] for run in runs], [run[1] for run in runs]
-    fs = url.fs
-    if not isinstance(fs, AsyncFileSystem):
-        return list(fs.cat_ranges(names, starts, ends))
-    # A small server has no room for a hundred connections at once, and leaves some waiting.
-    options = {"batch_size": _AT_ONCE} if url.protocol in {"http", "https"} else {}
-    within = storage.ANSWER_WITHIN_S
-    answers = sync(fs.loop, fs._cat_ranges, names, starts, ends, timeout=within, **options)  # noqa: SLF001 - the only call with a timeout
-    return list(answers)
+        return found

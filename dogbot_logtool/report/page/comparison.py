@@ -12,7 +12,7 @@ import numpy as np
 
 from dogbot_logtool.comparison.walks import CONFIDENCE, GaitComparison, MetricDifference
 from dogbot_logtool.core.arrays import Floats, median_of
-from dogbot_logtool.core.event import STEPS
+from dogbot_logtool.core.events import STEPS
 from dogbot_logtool.core.records import METRICS, MetricPath
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.report.page.assets import rendered

@@ -9,7 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
 from dogbot_logtool.core.base.ground import height_over_feet
 from dogbot_logtool.core.base.motion import roll_and_pitch
-from dogbot_logtool.core.event import EventType
+from dogbot_logtool.core.events import EventType
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import along_heading
 from dogbot_logtool.core.walk import Walk

@@ -6,19 +6,17 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, median_of
-from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.frames.kinematics import Leg
-from dogbot_logtool.core.legs.estimate import Estimate, estimate, placed_by_legs
+from dogbot_logtool.core.arrays import median_of
+from dogbot_logtool.core.frames.transforms import fixed_turn
+from dogbot_logtool.core.legs.estimate import Estimate, estimate
 from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
+from dogbot_logtool.core.legs.joints import link_tracks
 from dogbot_logtool.core.recording import JointTable, Recording
-from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
-from dogbot_logtool.robot.robot_model.legs_of_urdf import axis_by_names, find_legs
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, axis_by_names, legs_of_robot
 from dogbot_logtool.robot.selection import Selection
 
 _WORLD: Final = "odom"
@@ -34,28 +32,27 @@ def measured_by_legs(
         selection: its topics.
         model: the robot's description.
     """
-    robot, lacks_feet = model.robot, not selection.contacts
     if selection.contacts and selection.odometry:
         return recording, selection
     try:
-        if robot is None:
+        if model.robot is None:
             raise ValueError(model.why_none)
-        legs, selection, estimated = _estimated(recording, selection, robot)
+        told, estimated = _estimated(recording, selection, model.robot)
     except ValueError as reason:
-        if not lacks_feet:
+        if selection.contacts:
             return recording, selection
         settled = [each for each in selection.findings if each.code != "NO_FEET"]
         finding = without_legs(str(reason), model.call)
         return recording, selection._replace(findings=(*settled, finding))
-    feet = estimated.feet if lacks_feet else _with_points(recording, selection, legs, estimated)
+    feet = recording.feet if selection.contacts else estimated.feet
     base = recording.base if selection.odometry else estimated.base
-    return replace(recording, feet=feet, base=base), selection
+    return replace(recording, feet=feet, base=base), told
 
 
 def _estimated(
     recording: Recording, selection: Selection, robot: RobotOfUrdf
-) -> tuple[Sequence[Leg], Selection, Estimate]:
-    """Return the legs, what they tell, and the selection with what the log lacks.
+) -> tuple[Selection, Estimate]:
+    """Return the selection with what the log lacks, and that by its legs.
 
     Raises:
         ValueError: a sentence: why they tell nothing.
@@ -65,13 +62,17 @@ def _estimated(
     knows_axis = "forward_axis" in named.given or not selection.robot_is_guessed
     axis = named.forward_axis if knows_axis else None
     try:
-        legs, axis = find_legs(robot, _posture(recording.joints), axis)
+        legs, axis = legs_of_robot(robot, _posture(recording.joints), axis)
     except ValueError as reason:
         raise ValueError(f"the robot description {reason}") from None
     names = dict.fromkeys(name for leg in legs for name in leg.measured)
     joints = joints_of_legs(recording.joints, tuple(names))
     mass = named.mass_kg or robot.mass_kg
-    estimated = estimate(recording, legs, joints, _mounting(recording, robot), mass)
+    named_frames = recording.accelerations.frames if recording.accelerations else ()
+    unit = named_frames[0] if len(named_frames) == 1 else robot.base
+    turn = fixed_turn(link_tracks(robot.joints, {}), unit, robot.base)
+    mounting = np.array(turn or (0.0, 0.0, 0.0, 1.0))
+    estimated = estimate(recording, legs, joints, mounting, mass)
     named = replace(named, forward_axis=axis, base_frame=named.base_frame or robot.base)
     findings = [*selection.findings]
     if not selection.odometry:
@@ -103,23 +104,25 @@ def _estimated(
         contact_from=estimated.contact_from if lacks_feet else "",
         base_from_legs=not selection.odometry,
     )
-    return legs, selection, estimated
+    return selection, estimated
 
 
 def facing(settings: WalkSettings, recording: Recording, robot: RobotOfUrdf) -> WalkSettings:
     """Let the names of a robot's legs tell its forward axis, if that was only guessed."""
-    axis = None
-    if settings.forward_axis_is_assumed:
-        axis = axis_by_names(robot, _posture(recording.joints))
+    if not settings.forward_axis_is_assumed:
+        return settings
+    axis, reason = axis_by_names(robot, _posture(recording.joints)), ""
     if axis is None:
         return settings
-    settings = replace(settings, forward_axis_is_assumed=False)
-    if axis == settings.forward_axis:
-        return settings
-    reason = (
-        f"{settings.forward_axis} of the guessed robot is not forward here: its legs' names say"
+    if axis != settings.forward_axis:
+        guessed = f"{settings.forward_axis} of the guessed robot is not forward here"
+        reason = f"{guessed}: its legs' names say"
+    return replace(
+        settings,
+        forward_axis=axis,
+        forward_axis_is_assumed=False,
+        forward_axis_reason=reason,
     )
-    return replace(settings, forward_axis=axis, forward_axis_reason=reason)
 
 
 def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
@@ -133,21 +136,6 @@ def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
     return usual
 
 
-def _with_points(
-    recording: Recording, selection: Selection, legs: Sequence[Leg], estimated: Estimate
-) -> tuple[Samples, ...]:
-    """Return sensors' samples with the places where their legs rest, if sensors tell none."""
-    if selection.has_points:
-        return recording.feet
-    pairs = zip(legs, estimated.feet, strict=True)
-    of_leg = {leg.position or leg.name: samples for leg, samples in pairs}
-    keys = [foot.leg_position or foot.name for foot in selection.robot.feet]
-    return tuple(
-        placed_by_legs(samples, of_leg[key]) if key in of_leg else samples
-        for key, samples in zip(keys, recording.feet, strict=True)
-    )
-
-
 def _is_settled(finding: Finding, recording: Recording) -> bool:
     """Tell whether a finding is about feet that are known now, or takes joints for feet."""
     joints = (f"{table.topic}:" in finding.text for table in recording.joints)
@@ -158,24 +146,7 @@ def _based(recording: Recording, named: str | None, robot: RobotOfUrdf) -> Robot
     """Return a robot whose base is the robot's file's, or that of the poses, if it has that."""
     below = {joint.parent for joint in robot.joints}
     names = (each.strip("/") for each in (named or "", *recording.base_frames))
-    other = robot._replace(base=next((name for name in names if name in below), robot.base))
-    try:
-        find_legs(other, {})
-    except ValueError:
-        return robot
-    return other
-
-
-def _mounting(recording: Recording, robot: RobotOfUrdf) -> Floats:
-    """(4,) x, y, z, w, of an inertial unit's frame in the base's, by fixed joints."""
-    frames = recording.accelerations.frames if recording.accelerations else ()
-    above = {joint.child: joint for joint in robot.joints if joint.kind == "fixed"}
-    turn = np.array([[0.0, 0.0, 0.0, 1.0]])
-    link = frames[0].strip("/") if len(frames) == 1 else robot.base
-    while link != robot.base and link in above:
-        turn = multiply(np.array([above[link].rotation]), turn)
-        link = above[link].parent
-    return np.asarray(turn[0])
+    return robot._replace(base=next((name for name in names if name in below), robot.base))
 
 
 def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iterator[Finding]:

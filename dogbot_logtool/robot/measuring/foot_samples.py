@@ -22,8 +22,7 @@ from dogbot_logtool.core.sensors import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.core.settings import Thresholds
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
-from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.names import leg_name, leg_of, leg_position
+from dogbot_logtool.robot.names import foot_name, leg_of, leg_position
 from dogbot_logtool.robot.offers import not_calibrated
 from dogbot_logtool.robot.selection import Selection
 
@@ -101,14 +100,12 @@ def _compare_flags(feet: Sequence[Samples], selection: Selection, rows: Sequence
     # Without any load, as before a simulation begins, forces tell nothing.
     wrong &= known & (total > 0.0)
     count, touches = known.sum(axis=0), (touching & known).sum(axis=0)
-    share = wrong.sum(axis=0) / np.maximum(count, 1)
     constant = (touches == 0) | (touches == count)
     flagged = np.where(touching, borne, 0.0).sum(axis=0) / np.maximum(touches, 1)
     others = np.where(touching, 0.0, borne).sum(axis=0) / np.maximum(count - touches, 1)
     inverted = flagged < _INVERTED * others
-    ignored = np.where(constant, share > _CONTRADICTED, inverted)
-    if constant.all() and wrong.sum() > _CONTRADICTED * count.sum():
-        ignored[:] = True
+    of_constant = wrong[:, constant].sum() / max(count[constant].sum(), 1)
+    ignored = np.where(constant, of_constant > _CONTRADICTED, inverted)
     findings, numbers = [], np.array(rows)
     for say, some, least in (("ignored", ignored, 0.0), ("plain", ~ignored, _DOUBTFUL)):
         of_some = float(wrong[:, some].sum() / max(count[some].sum(), 1))
@@ -163,17 +160,12 @@ def _contact_level(samples: Samples) -> tuple[float, float, str]:
         both, and why these say nothing; empty: they do.
     """
     level = _level(samples)
-    rule, offset, loaded = (
-        contact_rule(level, None, Thresholds(), None),
-        float(level.offset_n[2]),
-        level.loaded_n,
-    )
+    rule = contact_rule(level, None, Thresholds(), None)
+    offset, loaded, why = float(level.offset_n[2]), level.loaded_n or 0.0, level.reason
     down = float((samples.force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
-    why = level.reason
-    if not why and (loaded is None or rule.on_n > MOST_OF_LOAD * loaded):
-        why = "its counts hardly change"
-    elif not why and not _WALKING[0] <= down <= _WALKING[1]:
-        why = f"on the ground {down:.0%} of the time"
+    low, high = _WALKING
+    if not why and (rule.on_n > MOST_OF_LOAD * loaded or not low <= down <= high):
+        why = "its counts do not change as in steps"
     return offset, rule.on_n, why
 
 
@@ -213,8 +205,8 @@ def with_joined_sensors(
     links_of = [sorted(recording.links.get(row, ())) for row in range(len(feet))]
     frames = [links[0] if len(links) == 1 else "" for links in links_of]
     groups, how = _groups(named), "names"
-    if not groups and all(_is_of_leg(*each) for each in zip(feet, frames, strict=True)):
-        groups, how = _groups([leg_name(frame) for frame in frames]), "frames"
+    if not groups and all(leg_of(frame)[1] for frame in frames):
+        groups, how = {foot_name(name): rows for name, rows in _groups(frames).items()}, "frames"
     if not groups:
         return recording, selection, ()
     joined = tuple(
@@ -252,12 +244,6 @@ def _groups(owners: Sequence[str]) -> dict[str, list[int]]:
     sizes = {len(rows) for rows in groups.values()}
     is_grid = len(groups) > 1 and len(sizes) == 1 and sizes != {1} and "" not in groups
     return groups if is_grid else {}
-
-
-def _is_of_leg(foot: Foot, frame: str) -> bool:
-    """Tell whether a frame's name is that of a leg on the side that the sensor's name says."""
-    _, side = leg_of(frame)
-    return bool(side) and leg_of(foot.topic)[1] in {"", side}
 
 
 def _joined(sensors: Sequence[Samples], foot: int, *, silent: bool) -> Samples:

@@ -12,7 +12,7 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.names import leg_of, name_feet
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
 
@@ -32,7 +32,6 @@ def find_legs(
     feet = selection.robot.feet
     measured = {name for each in recording.joints for name in each.names}
     joints = {joint.child: joint for joint in robot.joints} if robot and measured else {}
-    left_out = robot.left_out if robot else 0
     chains = leg_chains(selection, probe, {child: joint.parent for child, joint in joints.items()})
     moved = [_moved(chain, joints) for chain in chains]
     lacking = [[name for name in names if name not in measured] for names in moved]
@@ -40,8 +39,7 @@ def find_legs(
     chains = [chain if kept else None for chain, kept in zip(chains, known, strict=True)]
     by_joints = any(chains)
     if not by_joints:
-        found = leg_chains(selection, probe, probe.parent_of)
-        chains = [chain if chain and _moves(chain, probe) else None for chain in found]
+        chains = leg_chains(selection, probe, probe.parent_of)
     if not any(chains) and not recording.joints:
         return None
     by_frames = not by_joints and any(chains)
@@ -51,22 +49,15 @@ def find_legs(
     return LegSettings(
         chains=tuple(chains),
         reasons=tuple(
-            "" if chain else _why_not(selection, probe, foot, lacking[foot], left_out)
+            "" if chain else _why_not(selection, probe, foot, lacking[foot])
             for foot, chain in enumerate(chains)
         ),
         joints=() if by_frames else tuple(joints.values()),
-        joint_topics=tuple(table.topic for table in recording.joints),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
         limits=robot.limits if robot else {},
         lacking=tuple(name for each in lacking for name in each) if has_legs else (),
     )
-
-
-def _moves(chain: LegChain, probe: KnownFrames) -> bool:
-    """Tell whether transforms move a foot against the base."""
-    tracks = probe.tracks(chain.frames)
-    return not all(frame in tracks and tracks[frame].static for frame in chain.frames)
 
 
 def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:
@@ -75,17 +66,14 @@ def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:
     return list(dict.fromkeys(joint.measured for joint in held if joint.kind != "fixed"))
 
 
-def _why_not(
-    selection: Selection, probe: KnownFrames, foot: int, lacking: Sequence[str], left_out: int
-) -> str:
+def _why_not(selection: Selection, probe: KnownFrames, foot: int, lacking: Sequence[str]) -> str:
     """Say why a foot has no chain."""
     if lacking:
         return f"joint states do not tell of {', '.join(lacking)}"
     link = selection.robot.feet[foot].frame or probe.links[foot]
     if link is None:
         return "no frame is known to be its own"
-    reason = f"nothing connects its frame {link} with {probe.base}"
-    return f"{reason}; {left_out_text(left_out)}" if left_out else reason
+    return f"nothing connects its frame {link} with {probe.base}"
 
 
 def _feet_of_joints(

@@ -20,7 +20,7 @@ from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.robot.robot_model.drawing import primitive_urdf, robot_shape, skeleton
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, left_out_text, parse_urdf, read_robot
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, parse_urdf, read_robot
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.topics import first_messages
 
@@ -136,10 +136,8 @@ def robot_description(
     own = sorted({channel.topic for channel in description_channels(log)}) if options.copy else []
     told = [found("ROBOT_DESCRIPTION", say="own", topics=", ".join(own))] if own else []
     if model and joints:
-        left_out = f"; {left_out_text(model.left_out)}" if model.left_out else ""
         moving, topic = sum(each.kind != "fixed" for each in joints), walk.recording.joints[0].topic
-        moved = {"topic": topic, "joints": f"{moving}", "left_out": left_out}
-        told.append(found("ROBOT_DESCRIPTION", say="moved", **moved))
+        told.append(found("ROBOT_DESCRIPTION", say="moved", topic=topic, joints=f"{moving}"))
         if frames.base not in {link for joint in joints for link in (joint.parent, joint.child)}:
             told.append(found("ROBOT_DESCRIPTION", say="no_base", base=frames.base))
     if not own and urdf is None:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -20,10 +21,9 @@ from dogbot_logtool.reader.containers.bag.records import (
     record_in_file,
 )
 from dogbot_logtool.reader.containers.descriptions import Description
-from dogbot_logtool.reader.containers.log import Channel, Chunk, Schema, time_range
-from dogbot_logtool.reader.containers.loss import Loss, summed_up
+from dogbot_logtool.reader.containers.log import Channel, Chunk, Schema
+from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.record_log import (
-    IndexEntry,
     RecordLog,
     Times,
     UnusableIndex,
@@ -59,8 +59,6 @@ class BagLog(RecordLog):
         start = len(BAG_MAGIC)
         try:
             header = record_in_file(self.source.read, start)
-            if header.op() != BagOp.BAG_HEADER:
-                raise MalformedRecord("the bag's header is missing")
             index_start = header.number("index_pos", 8)
             if index_start == 0:
                 raise UnusableIndex(Loss(start, _NOT_CLOSED))
@@ -68,7 +66,7 @@ class BagLog(RecordLog):
                 raise MalformedRecord("it is cut off, or holds records of another kind")
             if self._take_outside():
                 raise MalformedRecord("its connections are damaged or described in two ways")
-            if len(self._index_entries) != header.number("chunk_count"):
+            if len(self._stated) != header.number("chunk_count"):
                 raise MalformedRecord("it names another number of chunks than the bag's header")
             self.channels = self._described_channels()
             if not self._holds(start, index_start, self._indexed_chunks(index_start)):
@@ -78,9 +76,7 @@ class BagLog(RecordLog):
         except MalformedRecord as fault:
             what = f"the bag's index is damaged ({fault}); the bag was read without it"
             raise UnusableIndex(Loss(start, what)) from fault
-        self.counts = self._counted()
-        self.start_time, self.end_time = time_range([c for c in self.chunks if c.messages])
-        self.losses = summed_up(self._losses)
+        self._finish(self._counted())
 
     def _take_info(self, record: Record) -> None:
         """Take what an index record says of a chunk.
@@ -93,25 +89,22 @@ class BagLog(RecordLog):
             channel_id(connection): count
             for connection, count in np.frombuffer(data, "<u4").reshape(-1, 2).tolist()
         }
-        times = record.time_ns("start_time"), record.time_ns("end_time")
-        self._index_entries[record.number("chunk_pos", 8)] = IndexEntry(*times, counts)
+        times = {name: record.time_ns(name) for name in ("start_time", "end_time")}
+        self._stated[record.number("chunk_pos", 8)] = {**times, "counts": counts}
 
     def _indexed_chunks(self, index_start: int) -> dict[int, Chunk]:
         """Return the chunks that the index names, by their offsets."""
-        entries = sorted(self._index_entries.items())
-        offsets = [offset for offset, _ in entries]
+        offsets = sorted(self._stated)
         heads = self.source.read_many([(offset, HEAD_SIZE) for offset in offsets])
         chunks: dict[int, Chunk] = {}
-        for (offset, entry), end, head in zip(
-            entries, [*offsets[1:], index_start][: len(offsets)], heads, strict=True
-        ):
+        for (offset, end), head in zip(pairwise([*offsets, index_start]), heads, strict=True):
             try:
                 own = _chunk(offset, record_in_file(self.source.read, offset, head))
             except MalformedRecord as fault:
                 what = f"the header of the chunk at byte {offset} is damaged: {fault}"
                 raise MalformedRecord(what) from fault
-            chunk = entry.added_to(own)
-            counts = entry.counts or {}
+            chunk = own._replace(**self._stated[offset])
+            counts = chunk.counts or {}
             if not counts.keys() <= self.channels.keys():
                 raise MalformedRecord("it contradicts the chunks")
             named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())

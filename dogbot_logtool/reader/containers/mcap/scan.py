@@ -14,40 +14,36 @@ from dogbot_logtool.reader.containers.log import (
     Chunk,
     Extra,
     Schema,
-    time_range,
 )
-from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages, summed_up
+from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import (
     CHUNK_HEAD,
     CHUNK_HEAD_SIZE,
+    DAMAGED_SUMMARY,
     FIRST_PRIVATE_OPCODE,
+    FOOTER_SIZE,
     LARGEST_OPCODE,
     MESSAGE_CONTENT_SIZE,
     McapFormat,
+    check_data,
     chunk_at,
     described,
-    is_chunk,
-)
-from dogbot_logtool.reader.containers.mcap.summary import (
-    DAMAGED_SUMMARY,
-    FOOTER_SIZE,
-    check_data,
     indexed_chunk,
+    is_chunk,
     read_footer,
 )
 from dogbot_logtool.reader.containers.record_log import (
-    IndexEntry,
     RecordLog,
     UnusableIndex,
     open_records,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource
 
 _NO_ACCIDENT: Final = 4
 """So many messages behind each other are believed, though their channel is not described yet."""
+_STATED: Final = ("start_time", "end_time", "counts")
 _LARGEST_TIME: Final = 2**63 - 1
 _LENGTHS: Final = attrgetter("end", "data_offset", "data_size", "size", "compression")
 
@@ -89,11 +85,7 @@ class McapLog(RecordLog):
         if not self._agrees(footer, statistics):
             what = "the summary contradicts itself or the chunks; the log was read without it"
             raise UnusableIndex(Loss(start, what))
-        self.counts = {**dict.fromkeys(self.channels, 0), **statistics.channel_message_counts}
-        filled = [chunk for chunk in self.chunks if chunk.messages != 0]
-        self.start_time, self.end_time = time_range(filled)
-        self._conclude()
-        self.losses = summed_up(self._losses)
+        self._finish({**dict.fromkeys(self.channels, 0), **statistics.channel_message_counts})
 
     def _is_complete(self, statistics: records.Statistics) -> bool:
         """Tell whether a summary with some statistics has all that opening a log needs."""
@@ -188,8 +180,8 @@ class McapLog(RecordLog):
             case records.ChunkIndex():
                 chunk = indexed_chunk(found)
                 self._named.append(chunk)
-                entry = IndexEntry(chunk.start_time, chunk.end_time, chunk.counts)
-                self._index_entries[chunk.offset] = entry
+                stated = {name: getattr(chunk, name) for name in _STATED}
+                self._stated[chunk.offset] = stated
             case records.DataEnd():
                 self._data_end = offset
         if opcode == Opcode.MESSAGE_INDEX:
@@ -201,11 +193,9 @@ class McapLog(RecordLog):
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
         """See `RecordLog._checksum`; a chunk that the end of the file cuts off has none."""
         head = bytes(stored[:CHUNK_HEAD_SIZE])
-        if len(head) < RECORD_HEAD.size + CHUNK_HEAD.size:
-            raise ChunkDamage("it is cut off")
         opcode, length = RECORD_HEAD.unpack_from(head)
         record_end = chunk.offset + RECORD_HEAD.size + length
-        if chunk.is_scanned and record_end > chunk.end == self.source.size:
+        if record_end > chunk.end == self.source.size:
             return 0, ()
         crc = CHUNK_HEAD.unpack_from(head, RECORD_HEAD.size)[3]
         own = chunk_at(chunk.offset, head)
@@ -270,10 +260,10 @@ class McapLog(RecordLog):
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
-    if offset + INDEX_HEAD.size > len(behind):
-        return None
-    opcode, length, channel, size = INDEX_HEAD.unpack_from(behind, offset)
-    start, end = offset + INDEX_HEAD.size, offset + RECORD_HEAD.size + length
+    start = offset + INDEX_HEAD.size
+    head = bytes(behind[offset:start]).ljust(INDEX_HEAD.size, b"\0")
+    opcode, length, channel, size = INDEX_HEAD.unpack(head)
+    end = offset + RECORD_HEAD.size + length
     if opcode != Opcode.MESSAGE_INDEX or not start + size <= end <= len(behind):
         return None
     return channel, behind[start : start + size], end
