@@ -12,6 +12,12 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, all_finite, distinct, flagged_runs, norms
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.foot_history import (
+    ANY_FORCE_N,
+    DEBOUNCE_S,
+    ContactRule,
+    Thresholds,
+)
 from dogbot_logtool.core.corrections.clock import usual_interval_s
 from dogbot_logtool.core.corrections.sensor import (
     CONSTANT,
@@ -21,14 +27,7 @@ from dogbot_logtool.core.corrections.sensor import (
     refuted,
     zero_level,
 )
-from dogbot_logtool.core.settings import (
-    ANY_FORCE_N,
-    DEBOUNCE_S,
-    ContactRule,
-    FootSettings,
-    Thresholds,
-    WalkSettings,
-)
+from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""

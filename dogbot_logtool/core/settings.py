@@ -5,6 +5,12 @@ from math import pi
 from typing import Final, NamedTuple
 
 from dogbot_logtool.core.contact.filtered import Filter
+from dogbot_logtool.core.contact.foot_history import (
+    ANY_FORCE_N,
+    DEBOUNCE_S,
+    ContactRule,
+    Thresholds,
+)
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
@@ -14,39 +20,6 @@ FORWARD_ANGLES: Final = {"+x": 0.0, "+y": pi / 2.0, "-x": pi, "-y": -pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""
 GRAVITY_MPS2: Final = 9.81
 """Standard in simulators (Gazebo's default world has 9.8)."""
-
-
-ANY_FORCE_N: Final = 1e-9
-"""Threshold where no force was ever seen, so that nothing tells what a load is."""
-DEBOUNCE_S: Final = 0.020
-
-
-class ContactRule(NamedTuple):
-    """The thresholds of contact."""
-
-    on_n: float
-    """N: |F| from which a foot is in contact."""
-    off_n: float
-    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
-    debounce_s: float
-    """s: shorter swings are filled, then shorter stances dropped."""
-    brief_s: float | None = None
-    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
-    origin: Origin = "default"
-    """The origin of the thresholds."""
-    by_flag: bool = False
-    """Whether the message's own contact flag decides, whatever the force."""
-    unusable: str = ""
-    """Why the sensor cannot tell contact; empty: it can."""
-
-
-class Thresholds(NamedTuple):
-    """The settings of contact by a user or the robot's file; None: not given."""
-
-    on_n: float | None = None
-    off_n: float | None = None
-    debounce_s: float | None = None
-    origin: Origin = "option"
 
 
 class FootSettings(NamedTuple):
