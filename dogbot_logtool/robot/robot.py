@@ -30,8 +30,6 @@ from dogbot_logtool.reader.foot import Foot, FootField
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""
 GENERIC: Final = "generic"
-MOST_FEET: Final = 64
-"""A robot's file or a log that has more is a mistake, and takes the square of the time."""
 _KNOWN: Final = Path(__file__).with_name("known")
 """Directory of the robots that come with the program."""
 _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
@@ -152,8 +150,6 @@ def parse_robot(text: str, source: str) -> Robot:
     table = TomlTable(parse_toml(text, source), source)
     values = take_fields(Robot, table, _ALL_KEYS)
     feet = table.section("feet")
-    if len(feet.names) > MOST_FEET:
-        raise feet.fault(f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
     found = tuple(_foot(feet.section(name), name) for name in feet.names)
     table.refuse_leftovers(_ALL_KEYS)
     values["name"] = values.get("name") or Path(source).stem
