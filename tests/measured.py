@@ -1,7 +1,6 @@
 """Sample logs as they are measured: once for all tests that only look at what comes out."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -26,36 +25,17 @@ def measured(log: Path, options: MeasureOptions = MeasureOptions()) -> Measureme
     return measure(log, options)
 
 
-@dataclass(frozen=True)
-class LogFacts:
-    """A log that a test makes up."""
-
-    path: str = "walk.bag"
-    container: str = "ROS 1 bag"
-    profile: str = "ros1"
-    start_s: float | None = 0.0
-    duration_s: float | None = 10.0
-    messages: int = 100
-    damage: Damage = SOUND
-    findings: Sequence[Finding] = ()
-
-
-def measurement_of(walk: Walk, facts: LogFacts = LogFacts()) -> Measurement:
+def measurement_of(
+    walk: Walk,
+    *,
+    path: str = "walk.bag",
+    damage: Damage = SOUND,
+    findings: Sequence[Finding] = (),
+) -> Measurement:
     """Judge a walk, which a test may have changed, as that of some log."""
-    damage, known = facts.damage, list(facts.findings)
-    if damage.losses:
-        known.insert(0, Finding("LOST", damage.text))
-    log = Log(
-        facts.path,
-        facts.container,
-        facts.profile,
-        facts.start_s,
-        facts.duration_s,
-        facts.messages,
-        damage.messages,
-        damage.bytes,
-    )
-    return Measurement(judge(walk, log, known), damage)
+    lost = [Finding("LOST", damage.text)] if damage.losses else []
+    log = Log(path, "ROS 1 bag", "ros1", 0.0, 10.0, 100, damage.messages, damage.bytes)
+    return Measurement(judge(walk, log, [*lost, *findings]), damage)
 
 
 @cache

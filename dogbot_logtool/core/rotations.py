@@ -111,12 +111,8 @@ def from_roll_pitch_yaw(angles: Floats) -> Floats:
     Returns:
         (n, 4) x, y, z, w.
     """
-    sines, cosines = np.sin(angles / 2.0), np.cos(angles / 2.0)
-    zero = np.zeros(len(angles))
-
-    def about(axis: int) -> Floats:
-        columns = [zero, zero, zero, cosines[:, axis]]
-        columns[axis] = sines[:, axis]
-        return np.stack(columns, axis=1)
-
-    return multiply(about(2), multiply(about(1), about(0)))
+    about_x, about_y, about_z = turns = np.zeros((3, len(angles), 4))
+    turns[:, :, 3] = np.cos(angles / 2.0).T
+    for axis, turn in enumerate(turns):
+        turn[:, axis] = np.sin(angles[:, axis] / 2.0)
+    return multiply(about_z, multiply(about_y, about_x))

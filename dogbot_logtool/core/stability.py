@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, dots, nearest_rows, norms
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, nearest_rows, norms
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import POINT_RATE_HZ
@@ -283,7 +283,7 @@ def energy_margin_in(hull: Hulls, points: Floats, body: Floats, static: Floats) 
     start = points[row, first]
     along, away = points[row, second] - start, body[row] - start
     unit = along / norms(along)[:, None]
-    reach = away - dots(away, unit)[:, None] * unit
+    reach = away - np.einsum("ij,ij->i", away, unit)[:, None] * unit
     least = np.full(len(body), np.inf)
     np.minimum.at(least, row, norms(reach) * np.hypot(unit[:, 0], unit[:, 1]) - reach[:, 2])
     return np.where(static >= 0.0, least, np.nan)

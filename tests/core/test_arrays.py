@@ -1,4 +1,4 @@
-"""Summaries, spans of time, rotations: against numpy, lists and sets."""
+"""Medians, spans of time, rotations: against numpy and sets."""
 
 from typing import Any
 
@@ -13,13 +13,11 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Ints,
     aggregate,
-    circular_mean,
     distinct,
     median_of,
     median_of_known,
     nearest_rows,
     percentiles_of,
-    rows_by_group,
 )
 from dogbot_logtool.core.rotations import normalised, slerp
 from tests.truth.recording import about_axis
@@ -27,34 +25,10 @@ from tests.truth.recording import about_axis
 PERCENTS = [0.0, 12.5, 95.0, 100.0]
 
 
-@given(st.lists(st.sampled_from([0, 1, 3, (1 << 16) - 1, 1 << 16, 1 << 40])))
-def test_rows_of_a_group_stand_in_their_order(numbers: list[int]) -> None:
-    rows = {number: rows.tolist() for number, rows in rows_by_group(np.array(numbers, np.int64))}
-
-    assert list(rows) == sorted(set(numbers))
-    assert rows == {
-        number: [row for row, each in enumerate(numbers) if each == number] for number in rows
-    }
-
-
 def test_the_nearest_row_is_found_between_and_beyond_all_rows() -> None:
     time = np.array([0, 10, 30], np.int64)
     at = np.array([-11, 4, 5, 6, 19, 21, 29, 41], np.int64)
     assert nearest_rows(time, at).tolist() == [0, 0, 0, 1, 1, 2, 2, 2]
-
-
-def test_an_aggregate_of_known_values() -> None:
-    result = aggregate(np.array([1.0, 2.0, np.nan, 6.0]))
-    assert result is not None
-    assert (result.n, result.mean, result.median, result.min, result.max) == (3, 3.0, 2.0, 1.0, 6.0)
-    assert result.std == pytest.approx(7.0**0.5)  # ((2^2 + 1^2 + 3^2) / 2)
-    assert aggregate(np.array([np.nan, np.inf])) is None
-
-
-def test_phases_that_straddle_zero_average_to_zero_not_to_half() -> None:
-    mean, consistency = circular_mean(np.array([0.99, 0.01, 0.98, 0.02])) or (0.5, 0.0)
-    assert abs((mean + 0.5) % 1.0 - 0.5) < 1e-12
-    assert consistency > 0.99
 
 
 TABLES = st.one_of(
@@ -80,7 +54,8 @@ def test_summaries_are_numpys(values: NDArray[Any], axis: int | None) -> None:
         np.testing.assert_array_equal(ours, numpys, strict=True)
 
 
-def test_nothing_has_no_median() -> None:
+def test_nothing_has_no_median_and_no_summary() -> None:
+    assert aggregate(np.array([np.nan, np.inf])) is None
     assert np.isnan(median_of([]))
     assert np.isnan(median_of(np.empty((0, 3)), axis=0)).tolist() == [True] * 3
 

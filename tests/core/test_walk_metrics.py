@@ -10,7 +10,7 @@ from dogbot_logtool.core.metrics import NEEDS, Phase, WalkMetrics
 from dogbot_logtool.core.records import metric_paths, to_json, unknown, values
 from dogbot_logtool.finding import Finding
 from dogbot_logtool.report.documents import schema
-from tests.measured import LogFacts, measured, measurement_of
+from tests.measured import measured, measurement_of
 from tests.paths import TROT, TROUBLED
 from tests.truth.outcome import outcome
 from tests.truth.walking import Walk
@@ -89,7 +89,7 @@ def test_few_strides_are_little_confidence(tmp_path: Path) -> None:
 
 def test_a_finding_voids_metrics_of_the_log_and_of_its_segments() -> None:
     doubt = Finding("DEAD", "it is dead", "feet.front_left", feet=("front_left",))
-    walk = measurement_of(measured(TROT).walk, LogFacts(findings=[doubt])).metrics
+    walk = measurement_of(measured(TROT).walk, findings=[doubt]).metrics
 
     for feet in (walk.feet, *(each.feet for each in walk.gait.segments)):
         assert feet["front_left"].stance_s is None

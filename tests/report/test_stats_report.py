@@ -24,7 +24,7 @@ from dogbot_logtool.report.verdict import summary_row
 from dogbot_logtool.results import Measurement
 from tests import forked_cli
 from tests.forked_cli import run
-from tests.measured import LogFacts, measured, measurement_of
+from tests.measured import measured, measurement_of
 from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, TROUBLED, WALK
 
@@ -134,8 +134,7 @@ def test_what_is_wrong_is_said_worst_first_with_what_to_do() -> None:
 def test_what_the_reader_lost_and_found_is_in_the_quality() -> None:
     said = [Finding("ROBOT_GUESSED", "a robot", ""), Finding("UNREADABLE", "bad", "/x")]
     damage = Damage("a", (Loss(9, "a chunk", 77, None),))
-    facts = LogFacts("a", "MCAP", "", None, None, 1, damage, said)
-    done = measurement_of(measured(TROT).walk, facts)
+    done = measurement_of(measured(TROT).walk, damage=damage, findings=said)
     document = valid_json(done)
     assert (document["log"]["lost_messages"], document["log"]["lost_bytes"]) == (None, 77)
     assert [each["code"] for each in document["findings"][:2]] == ["UNREADABLE", "LOST"]

@@ -17,7 +17,6 @@ from dogbot_logtool.core.arrays import (
     Integral,
     Ints,
     all_finite,
-    dots,
     flagged_runs,
     norms,
     quantiles,
@@ -368,7 +367,7 @@ def _friction_use(
     """(k,) 95th percentile of the friction that is known, NaN where none is."""
     force = track.force[rows]
     vectors = samples.force.take(rows, axis=0).astype(np.float64)
-    pressing = np.abs(dots(vectors, samples.normal.take(rows, axis=0)))
+    pressing = np.abs(np.einsum("ij,ij->i", vectors, samples.normal.take(rows, axis=0)))
     friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / pressing
     known = np.isfinite(friction) & ~np.isnan(track.vertical_force[rows]) & (force >= on_n)
     friction, of = friction[known], stance[known]

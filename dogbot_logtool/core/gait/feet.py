@@ -7,12 +7,20 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of, rows_of_runs
-from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Floats,
+    Integral,
+    Ints,
+    aggregate,
+    percentiles_of,
+    trapezoids,
+)
+from dogbot_logtool.core.base.foot_path import Footfalls
 from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
 from dogbot_logtool.core.gait.strides import Standing, Strides, strides_of, walked_stances
 from dogbot_logtool.core.leg_position import LegPosition
@@ -65,8 +73,8 @@ class FootSteps(NamedTuple):
     """(stances,) which have lone spikes."""
     heading: Floats
     """(stances,) rad, of the base's forward axis in the middle of each stance; NaN: not known."""
-    stood: Footfalls | None
-    """Where it stands, by its places in the base's axes; None: its messages do not tell these."""
+    stood: Footfalls
+    """Where it stands."""
 
     @property
     def length_m(self) -> Floats:
@@ -88,11 +96,11 @@ def foot_steps(
     settings: WalkSettings,
     row: int,
     record: FootHistory,
+    stood: Footfalls,
     base: BaseHistory,
     fallen: Ints,
     standing: Standing,
     *,
-    path: FootPath | None = None,
     ground: MovingGround | None = None,
     is_dead: bool = False,
 ) -> FootSteps:
@@ -102,10 +110,10 @@ def foot_steps(
         settings: what decides the metrics.
         row: of the foot.
         record: its stances and track.
+        stood: where it stands.
         base: poses.
         fallen: (f, 2) ns, spans in which the robot lies.
         standing: spans without steps.
-        path: of the foot in the world, where its messages tell its places in the base's axes.
         ground: how the ground moves; None: it rests.
         is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
@@ -131,8 +139,7 @@ def foot_steps(
         "propulsive_impulse_ns": propulsive,
     }
     travelled = stride_lengths(base, strides.touchdown, strides.end)
-    stood = None if path is None else footfalls(path, stances)
-    length, length_from = _own_lengths(record, stood, ground, stances, strides), "points"
+    length, length_from = _own_lengths(stood, ground, strides), "points"
     if not np.isfinite(length).any():
         # A stride in which the base hardly turns is as long for all of its feet.
         turn = base.angles_at(strides.end)[:, 2] - base.angles_at(strides.touchdown)[:, 2]
@@ -169,22 +176,11 @@ def foot_steps(
     )
 
 
-def _own_lengths(
-    record: FootHistory,
-    stood: Footfalls | None,
-    ground: MovingGround | None,
-    stances: Stances,
-    strides: Strides,
-) -> Floats:
+def _own_lengths(stood: Footfalls, ground: MovingGround | None, strides: Strides) -> Floats:
     """(strides,) m, horizontal distances from each place where a foot stands to its next one."""
-    if stood is None:
-        at, place = stance_places(record)
-    else:
-        at, place = stances.middle, stood.position
+    place = stood.position
     if ground is not None:
-        place = place - ground.displacement_at(at)
-    if not len(strides.stance):
-        return np.empty(0)
+        place = place - ground.displacement_at(stood.time)
     displacement = place[strides.stance + 1] - place[strides.stance]
     return np.asarray(np.hypot(displacement[:, 0], displacement[:, 1]))
 
@@ -218,18 +214,14 @@ def fore_aft_impulses(foot: FootHistory, heading: Floats) -> Floats:
         return impulses
     before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
     # A foot that stopped to speak in a stance has no sample at its end.
-    behind = np.minimum(np.searchsorted(track.time, stances.liftoff[known]) + 1, len(track.time))
-    rows, stance, first = rows_of_runs(before, behind)
-    x, y = (column.take(rows) for column in track.horizontal_force.T)
-    cos, sin = np.cos(heading[known])[stance], np.sin(heading[known])[stance]
-    along = x * cos + y * sin
-    time = (track.time[rows] - track.time[0]) / 1e9
-    half_steps = np.diff(time, prepend=0.0) / 2.0
-    half_steps[first] = 0.0
-    for found, part in zip(
-        impulses, (np.maximum(-along, 0.0), np.maximum(along, 0.0)), strict=True
-    ):
-        found[known] = np.add.reduceat((part + np.roll(part, 1)) * half_steps, first)
+    behind = np.searchsorted(track.time, stances.liftoff[known]).clip(max=len(track.time) - 1)
+    begin, end = track.time[before], track.time[behind]
+    stance = np.maximum(np.searchsorted(begin, track.time, side="right") - 1, 0)
+    x, y = np.nan_to_num(track.horizontal_force).T
+    along = x * np.cos(heading[known])[stance] + y * np.sin(heading[known])[stance]
+    parts = np.stack([np.maximum(-along, 0.0), np.maximum(along, 0.0)], axis=1)
+    total = Integral(track.time, trapezoids(np.diff(track.time) / 1e9, parts))
+    impulses[:, known] = total.added(begin, end).T
     return impulses
 
 

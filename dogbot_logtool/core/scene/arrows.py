@@ -89,8 +89,6 @@ CLASSIC_TILT: Final = (0.0, math.sin(-0.785), 0.0, math.cos(-0.785))
 """The live script's pitch of -1.57."""
 LONGEST_M: Final = 2.0
 """m: longer arrows would hide the robot; colours have ended by then."""
-_NEGLIGIBLE: Final = 1e-100
-"""Part of a unit vector that cannot matter, but whose square is no longer a number."""
 
 
 LIFETIME_S: Final = 0.5
@@ -248,11 +246,10 @@ def turn_x_to(direction: Floats) -> Floats:
     x, y, z = direction.T
     with np.errstate(invalid="ignore", divide="ignore"):
         w = np.where(x < 0.0, (y * y + z * z) / (1.0 - x), 1.0 + x)
-        quaternion = np.stack([np.zeros_like(x), -z, y, w], axis=1)
-        quaternion /= np.sqrt((quaternion * quaternion).sum(axis=1))[:, None]
-    # So near to -x the squares above vanish.
-    opposite = (x < 0.0) & (np.abs(y) < _NEGLIGIBLE) & (np.abs(z) < _NEGLIGIBLE)
-    quaternion[opposite] = (0.0, 0.0, 1.0, 0.0)
+        length = np.hypot(w, np.hypot(y, z))
+        turns = np.stack([np.zeros_like(x), -z, y, w], axis=1)
+        quaternion: Floats = turns / length[:, None]
+    quaternion[length == 0.0] = (0.0, 0.0, 1.0, 0.0)
     return quaternion
 
 

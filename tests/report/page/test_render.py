@@ -24,7 +24,7 @@ from dogbot_logtool.report.page.replay import MOST_FRAMES, frame_times, replay
 from dogbot_logtool.report.page.tables import outliers
 from dogbot_logtool.report.text.gait_diagram import default_window
 from dogbot_logtool.robot.recorded import open_recorded
-from tests.measured import LogFacts, measured, measurement_of
+from tests.measured import measured, measurement_of
 from tests.oracles import walks
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, TROUBLED
@@ -48,7 +48,7 @@ def trot_page() -> bytes:
 
 def page_of(walk: MeasuredWalk, size: int = 0, **facts: Any) -> str:
     """The page of a walk that a test made up or changed."""
-    return page(measurement_of(walk, LogFacts(**facts)), size).decode()
+    return page(measurement_of(walk, **facts), size).decode()
 
 
 def drawings(html: bytes) -> dict[str, Any]:
