@@ -36,7 +36,6 @@ from dogbot_logtool.core.known_frames import (
     Counts,
     KnownFrames,
     WorldFrames,
-    imu_mounting,
     known_frames,
 )
 from dogbot_logtool.core.quality import TopicQuality, TopicTimes, topic_quality, topic_times
@@ -194,9 +193,9 @@ def _in_frames(recording: Recording, settings: WalkSettings, frames: KnownFrames
         settings = replace(
             settings, wrench_frame=seen.frame, wrench_frame_is_inferred=seen.is_inferred
         )
-    if recording.accelerations is None or settings.imu_mounting is not None:
+    if recording.accelerations is None:
         return settings
-    return replace(settings, imu_mounting=imu_mounting(recording, frames))
+    return replace(settings, imu_mounting=frames.mounting(recording.accelerations.frames))
 
 
 def _corrected_samples(

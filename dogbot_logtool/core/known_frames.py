@@ -16,6 +16,7 @@ from dogbot_logtool.core.frames.transforms import (
     Poses,
     Transforms,
     chain_of_frames,
+    fixed_turn,
     lookup,
     track_of,
 )
@@ -182,6 +183,13 @@ class KnownFrames:
         point = FramePoint(self.base, recorded=True)
         return [point if foot.in_base else None for foot in settings.feet]
 
+    def mounting(self, named: Sequence[str]) -> tuple[float, float, float, float] | None:
+        """Return x, y, z, w of the only one of some frames in the base's; None: not known."""
+        if len(named) != 1:
+            return None
+        chain = chain_of_frames(self.parent_of, named[0], self.base)
+        return fixed_turn(self.tracks(chain or ()), named[0], self.base)
+
     def stances(self, feet: Sequence[Samples]) -> dict[int, Point]:
         """Return where feet stand in the base's frame, by samples that are in the world."""
         at_base = self.follow((self.base,) * len(feet), (None,) * len(feet))
@@ -245,28 +253,6 @@ def _of_poses(base: Odometry) -> Transforms:
     """Return the transforms of the base by its poses."""
     never, nowhere = np.zeros(len(base.stamp), np.bool_), np.broadcast_to(0, len(base.stamp))
     return Transforms(nowhere, never, base.log_time, base.stamp, base.position, base.orientation)
-
-
-def imu_mounting(
-    recording: Recording, frames: KnownFrames
-) -> tuple[float, float, float, float] | None:
-    """Return how an inertial unit sits on the base, by recorded static transforms.
-
-    Returns:
-        x, y, z, w of its frame in the base's; None: not recorded, or it is the base's.
-    """
-    named = recording.accelerations.frames if recording.accelerations else ()
-    if len(named) != 1:
-        return None
-    tracks = frames.tracks(chain_of_frames(frames.parent_of, named[0], frames.base) or ())
-    if not tracks or not all(track.static for track in tracks.values()):
-        return None
-    now = np.zeros(1, np.int64)
-    pose = lookup(tracks, named[0], frames.base, now, now)
-    if not pose.known[0]:
-        return None
-    x, y, z, w = pose.rotation[0].tolist()
-    return x, y, z, w
 
 
 def _frame(recorded: tuple[str, ...], default: str) -> str:

@@ -15,8 +15,7 @@ from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls, known_path
 from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.corrections.clock import first_at_each_tick, too_far_apart
-from dogbot_logtool.core.frames import kinematics
-from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track, lookup
+from dogbot_logtool.core.frames.transforms import FrameTrack, lookup
 from dogbot_logtool.core.gait.feet import CYCLE, FootSteps, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import (
@@ -27,6 +26,7 @@ from dogbot_logtool.core.legs.joints import (
     LegSettings,
     joint_curve,
     joint_tracks,
+    link_tracks,
     summed_work,
 )
 from dogbot_logtool.core.loads import slip_m, symmetry_index_percent
@@ -221,37 +221,8 @@ def _cost(walk: Walk, absolute_j: Floats) -> float | None:
 
 
 TRANSFORM_RATE_HZ: Final = 200.0
-JOINT_RATE_HZ: Final = 100.0
 SLOWEST_NS: Final = 11_000_000
 """ns: a foot that is told less often has no velocity at touchdown."""
-
-
-def link_tracks(
-    joints: Sequence[kinematics.Joint], tracks: Mapping[str, JointTrack]
-) -> dict[str, FrameTrack]:
-    """Return the links that joints move, `JOINT_RATE_HZ` times a second, and those that rest.
-
-    Args:
-        joints: of a robot description; those that nothing tells are left out.
-        tracks: by name.
-    """
-    links: dict[str, FrameTrack] = {}
-    start = np.zeros(1, np.int64)
-    for joint in joints:
-        position, times, moves = np.zeros(1), (start, start), False
-        if joint.kind != "fixed":
-            track = tracks.get(joint.measured)
-            if track is None:
-                continue
-            # A joint that never moves is where it is, in its silences, too.
-            moves = track.moves
-            rows = np.flatnonzero(first_at_each_tick(track.time, JOINT_RATE_HZ)) if moves else [0]
-            position = track.position[rows].astype(np.float64)
-            times = track.time[rows], track.log_time[rows]
-        shift, turn = kinematics.link_poses([joint], position[:, None])
-        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
-        links |= {joint.child: found} if found else {}
-    return links
 
 
 def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootPath | None:

@@ -34,11 +34,23 @@ _TAKEN_FOR_TEXT: Final = (
     *(start + b"MCAP" for start in (b"", b"\xef\xbf\xbd", b"\xc2\x89", b"\xe2\x80\xb0", b"?")),
     *(_BYTE_ORDER_MARK + each.magic for each in CONTAINERS),
 )
+_PACKED: Final = (
+    b"\x1f\x8b",  # gzip
+    b"BZh",  # bzip2
+    b"\xfd7zXZ\0",  # xz
+    b"\x04\x22\x4d\x18",  # lz4
+    ZSTD_MAGIC,  # within zstd
+    b"PK",  # zip
+    b"7z\xbc\xaf\x27\x1c",  # 7z
+)
 _ZEROS: Final = (
     "begins with zeros where a log says what it is: room was made for it, but its start was never "
     "written (a crash or a copy that broke off); copy it again"
 )
-_ANNEX: Final = "is a git-annex pointer, not the log itself; 'git annex get' fetches it"
+_POINTER: Final = (
+    "is a pointer to the log, not the log itself: fetch that ('git lfs pull', 'git annex get' or "
+    "'dvc pull')"
+)
 _TEXT: Final = (
     "is a text (a web page, XML or JSON), not a log: maybe a server's error in place of it; look "
     "into it, and download the log again"
@@ -53,20 +65,11 @@ _STARTS: Final = {
         "was changed on its way by what took it for text (a transfer, an editor, a script): bytes "
         "everywhere in it are no longer the recorded ones; copy it again in binary mode",
     ),
-    b"version https://git-lfs.": (
-        "is a Git LFS pointer, not the log itself; 'git lfs pull' fetches the log"
-    ),
-    b"outs:\n- md5:": "is a DVC pointer, not the log itself; 'dvc pull' fetches the log",
+    **dict.fromkeys((b"version https://git-lfs.", b"outs:\n- md5:"), _POINTER),
+    **dict.fromkeys(_PACKED, "is compressed, or an archive of files; unpack it first"),
     b"#ROSBAG V1": (
         "is a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it"
     ),
-    b"\x1f\x8b": "is a gzip-compressed file; decompress it first ('gunzip')",
-    b"BZh": "is a bzip2-compressed file; decompress it first ('bunzip2')",
-    b"\xfd7zXZ\0": "is an xz-compressed file; decompress it first ('unxz')",
-    b"\x04\x22\x4d\x18": "is an lz4-compressed file; decompress it first ('unlz4')",
-    ZSTD_MAGIC: "was compressed with zstd twice; decompress it once ('unzstd')",
-    b"PK": "is a zip archive; unpack it first ('unzip')",
-    b"7z\xbc\xaf\x27\x1c": "is a 7z archive; unpack it first ('7z x')",
     b"rosbag2_bagfile_information:": (
         f"is the {ROSBAG2_METADATA} of a ROS 2 bag; name the directory that it is in"
     ),
@@ -182,9 +185,9 @@ def _not_a_log(source: ByteSource) -> str:
     cases = (
         (not head, "is empty (0 bytes): nothing was recorded or copied into it"),
         *((head.startswith(start), what) for start, what in _STARTS.items()),
-        (head[257:262] == b"ustar", "is a tar archive; unpack it first ('tar xf')"),
+        (head[257:262] == b"ustar", _STARTS[ZSTD_MAGIC]),
         (not head.strip(b"\0"), _ZEROS),
-        (b"annex/objects/" in head[:64], _ANNEX),
+        (b"annex/objects/" in head[:64], _POINTER),
         (text.startswith((b"<", b"{", b"[")), _TEXT),
         (
             is_cut_off,

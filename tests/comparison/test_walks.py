@@ -151,8 +151,8 @@ def test_a_difference_is_named(other: dict[str, Any], says: str) -> None:
 
 def test_checks_that_failed_are_doubts() -> None:
     bad = log()
-    bad["quality"]["checks"].append({"name": "one clock", "outcome": "failed"})
-    assert list(doubts([log(), bad])) == ["a.bag: one clock does not hold"]
+    bad["quality"]["checks"].append({"name": "all topics have one clock", "outcome": "failed"})
+    assert list(doubts([log(), bad])) == ["a.bag: it does not hold that all topics have one clock"]
 
 
 # --- Their page -----------------------------------------------------------------------------------

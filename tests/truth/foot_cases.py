@@ -86,7 +86,9 @@ def flags() -> Iterator[Case]:
     hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
     flags, turned = foot.as_flags, foot.inverted()
     slow = Walk(gait=gaits.PRONK, speed_mps=0.3, period_s=0.8)
-    for name, walk in (("walk", WALK), ("trot", TROT), ("pronk", hop), ("slow pronk", slow)):
+    bound = Walk(gait=gaits.BOUND, speed_mps=0.3, period_s=0.6, heaves=True)
+    for name, walk in (("walk", WALK), ("trot", TROT), ("pronk", hop), ("slow pronk", slow),
+                       ("slow bound", bound)):
         yield Case(f"flags, {name}", walk, (flags,), skip=NO_FORCE)
     for rate, walk in ((10.0, TROT), (5.0, WALK)):
         yield Case(f"flags, {rate:g} Hz", walk, (flags, foot.sampled(rate)), "SAMPLED_SLOWLY",
@@ -94,6 +96,7 @@ def flags() -> Iterator[Case]:
     for name, walk, faults in (
         ("walk", WALK, (flags, turned)),
         ("trot", TROT, (flags, turned)),
+        ("bound", bound, (flags, turned)),
         ("walk, one foot", WALK, (flags, on(turned, "back_left"))),
         ("walk, places in the base", WALK, (pose.feet_in_base, turned)),
         ("fast trot, places in the base", replace(TROT, speed_mps=1.2),

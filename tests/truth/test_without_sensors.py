@@ -171,10 +171,11 @@ def noisy(position: Floats, velocity: Floats, effort: Floats) -> tuple[Floats, .
     ("change", "every", "why"),
     [
         (SOURCES["joint_torques"], 20, "joint states come 12 times in a stride, too rarely"),
-        (stuck, 5, "RR_thigh_joint tells one position for 6 s while other legs move"),
+        (SOURCES["joint_torques"], 200, "too few joint states tell the positions of all joints"),
+        (stuck, 5, "RR_thigh_joint tells one position while other legs move"),
         (noisy, 1, "positions of joints are not exact enough"),
     ],
-    ids=["rare", "stuck", "noisy"],
+    ids=["rare", "too few", "stuck", "noisy"],
 )
 def test_joints_that_do_not_tell_surely_tell_nothing(
     change: Change, every: int, why: str, tmp_path: Path
@@ -182,6 +183,23 @@ def test_joints_that_do_not_tell_surely_tell_nothing(
     walk = measured(tmp_path, robot("trot").telling(change), every=every)
     assert why in codes(walk)["NO_FEET"]
     assert walk.stats["base"]["forward_speed_mps"] is None
+
+
+def test_descriptions_that_do_not_fit_the_log_tell_nothing(tmp_path: Path) -> None:
+    truth = robot("trot")
+    for other, why in (
+        (replace(truth, joints=("knee", *truth.joints[1:])), "do not tell of FL_hip_joint"),
+        (replace(truth, parts=truth.parts[:5]), "the robot description has no two legs"),
+    ):
+        assert why in codes(measured(tmp_path, other))["NO_FEET"]
+
+
+def test_efforts_of_a_robot_of_unknown_mass_tell_no_forces(tmp_path: Path) -> None:
+    truth = robot("trot")
+    light = replace(truth, parts=tuple(replace(part, kg=0.0) for part in truth.parts))
+    walk = measured(tmp_path, light)
+    assert "the mass is not known" in codes(walk)["CONTACT_ESTIMATED"]
+    assert (walk.stats["settings"]["contact_from"], walk.gait.name) == ("kinematics", "trot")
 
 
 @pytest.mark.parametrize(

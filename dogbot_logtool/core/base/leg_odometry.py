@@ -161,8 +161,8 @@ def dead_reckoned(
     if acceleration is not None:
         step = (acceleration[1:] + acceleration[:-1]) / 2.0 * seconds[:, None]
         gained = np.cumsum(step, axis=0) - step / 2.0
-    velocity = gained + _bridged(legs.velocity - gained, middle)
-    turns = _bridged(legs.turn_rate, middle)
+    velocity = gained + bridged(legs.velocity - gained, middle)
+    turns = bridged(legs.turn_rate, middle)
     angles = np.zeros((len(time), 3))
     angles[1:, 2] = np.cumsum(turns[:, 2] * seconds)
     if roll_pitch is not None:
@@ -179,7 +179,7 @@ def dead_reckoned(
     return BaseHistory(time, position, angles, np.stack([begin[long], end[long]], axis=1))
 
 
-def _bridged(values: Floats, seconds: Floats) -> Floats:
+def bridged(values: Floats, seconds: Floats) -> Floats:
     """(n, 3) values with linear interpolation for those that are not known; zeros of none."""
     filled = np.zeros_like(values)
     for axis, column in enumerate(values.T):
@@ -249,11 +249,11 @@ def inertial_at(
     if seconds[-1] - seconds[0] > LONGEST_PER_READING_S * len(seconds):
         return level(len(at), gravity_mps2)
     ticks = np.arange(seconds[0], seconds[-1] + 1.0 / RATE_HZ, 1.0 / RATE_HZ)
-    turned = _added_up(_means(seconds, turn, ticks, 0.5 / RATE_HZ) / RATE_HZ)
-    fixed = rotate(turned, _means(seconds, acceleration, ticks, 0.5 / RATE_HZ))
-    gravity = rotate(conjugate(turned), _means(ticks, fixed, ticks, LONG_S))
+    turned = _added_up(means(seconds, turn, ticks, 0.5 / RATE_HZ) / RATE_HZ)
+    fixed = rotate(turned, means(seconds, acceleration, ticks, 0.5 / RATE_HZ))
+    gravity = rotate(conjugate(turned), means(ticks, fixed, ticks, LONG_S))
     reads = float(median_of(norms(gravity)))
-    rates, felt = (_means(seconds, each, at, SHORT_S) for each in (turn, acceleration))
+    rates, felt = (means(seconds, each, at, SHORT_S) for each in (turn, acceleration))
     if not GRAVITY_IS[0] <= reads <= GRAVITY_IS[1]:
         flat = level(len(at), gravity_mps2)
         return Inertial(rates, flat.felt, flat.up, tells_up=False)
@@ -290,7 +290,7 @@ def turns_and_up(
     return np.asarray((added[:, 3:] * up).sum(axis=1)), up
 
 
-def _means(seconds: Floats, values: Floats, at: Floats, half_s: float) -> Floats:
+def means(seconds: Floats, values: Floats, at: Floats, half_s: float) -> Floats:
     """(n, 3) means of values over a window about each time; at the ends over what there is."""
     inside = np.clip(at, seconds[0], seconds[-1])
     begin, end = np.maximum(inside - half_s, seconds[0]), np.minimum(inside + half_s, seconds[-1])

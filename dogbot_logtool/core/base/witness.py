@@ -31,6 +31,7 @@ from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 
 TICK_NS: Final = 50_000_000
 """ns, how often feet that rest in the world are looked at."""
@@ -176,8 +177,8 @@ def by_legs(
     Args:
         places: of each foot, from the base's origin along its axes; None: not known.
         feet: histories of the same feet.
-        base: recorded poses, whose lean turns what legs tell, and whose turn stands in where a
-            single foot stands.
+        base: recorded poses, whose lean turns places into level axes, and whose turn stands in
+            where a single foot stands.
 
     Returns:
         None where no foot's places are known.
@@ -191,11 +192,14 @@ def by_legs(
     time = time[first_at_each_tick(time, RATE_HZ)]
     place = np.stack([path.at(time) for path in paths], axis=1)
     standing = np.stack([timespans.covers(feet[row].in_contact, time) for row in known], axis=1)
-    legs = leg_odometry(time, place, standing)
-    tells_turn = bool(np.isfinite(legs.turn_rate[:, 2]).mean() > 0.5)
     angles = np.zeros((len(time), 3))
     if len(base.time):
         angles = interpolated(time, base.time, base.angles)
+        # Two feet tell no turn about the line between them, and bases that bound lean in time.
+        lean = from_roll_pitch_yaw(angles * [1.0, 1.0, 0.0])
+        place = np.stack([rotate(lean, place[:, row]) for row in range(len(paths))], axis=1)
+    legs = leg_odometry(time, place, standing)
+    tells_turn = bool(np.isfinite(legs.turn_rate[:, 2]).mean() > 0.5)
     if not tells_turn and len(base.time) > 1:
         rates = np.zeros((len(time), 3))
         rates[:, 2] = np.gradient(angles[:, 2], (time - time[0]) / 1e9)
@@ -203,8 +207,7 @@ def by_legs(
     speed = norms(legs.velocity[np.isfinite(legs.velocity[:, 0])])
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
-    poses = dead_reckoned(legs, angles[:, :2])
-    return Witness(poses, LEGS, tells_heading=True, tells_turn=tells_turn)
+    return Witness(dead_reckoned(legs), LEGS, tells_heading=True, tells_turn=tells_turn)
 
 
 def feet_witness(
@@ -279,6 +282,9 @@ SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
 FAR_MORE: Final = 5.0
 """Times such a way that poses must go beside a witness that hardly moves."""
+STEPS_M: Final = 0.01
+"""m a stride below which a witness does not move at all: no leg steps so short, and what is taken
+for a foot's place rests in the body."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which two ways are one."""
 SWINGS: Final = 0.3
@@ -365,7 +371,7 @@ class Comparison(NamedTuple):
         """Whether the witness goes somewhere, or the poses do by far."""
         walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
         turned = float(np.abs(self.reference.turn).sum())
-        return self.reference.walked_m > 0.0 and walked_m > max(
+        return self.reference.walked_m > STEPS_M * self.strides and walked_m > max(
             SHORTEST_PATH_M, self.reach_m * turned
         )
 

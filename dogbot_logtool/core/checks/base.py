@@ -389,14 +389,12 @@ def _leans_rad(walk: Walk, windows: Ints) -> float:
     Where its mounting is known, from the base's upright; else from its own usual direction.
     """
     _, up = _inertial(walk, windows)
-    up, inertial = up[all_finite(up)], walk.recording.accelerations
-    if not len(up) or inertial is None:
+    up = up[all_finite(up)]
+    if not len(up):
         return 0.0
     usual, mounting = median_of(up, axis=0), walk.settings.imu_mounting
     if mounting is not None:
-        up = rotate(np.array([mounting]), up)
-    if mounting is not None or [f.lstrip("/") for f in inertial.frames] == [walk.frames.base]:
-        usual = UPRIGHT
+        up, usual = rotate(np.array([mounting]), up), UPRIGHT
     cosine = np.clip(up @ usual / np.linalg.norm(usual), -1.0, 1.0)
     return float(percentiles_of(np.arccos(cosine), 75.0))
 

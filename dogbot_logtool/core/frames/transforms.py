@@ -143,6 +143,16 @@ def lookup(
     return Poses(known, translation, rotation)
 
 
+def fixed_turn(
+    tracks: Mapping[str, FrameTrack], frame: str, ancestor: str
+) -> tuple[float, float, float, float] | None:
+    """Return x, y, z, w of a frame in an ancestor by what never moves; None: not known."""
+    fixed, now = {child: own for child, own in tracks.items() if own.static}, np.zeros(1, np.int64)
+    pose = lookup(fixed, frame, ancestor, now, now)
+    x, y, z, w = pose.rotation[0].tolist()
+    return (x, y, z, w) if pose.known[0] else None
+
+
 def chain_of_frames(
     parents: Mapping[str, str], frame: str, ancestor: str
 ) -> tuple[str, ...] | None:

@@ -19,27 +19,27 @@ from dogbot_logtool.core.base.leg_odometry import (
     LONG_S,
     Inertial,
     LegOdometry,
+    bridged,
     dead_reckoned,
     inertial_at,
-    leg_odometry,
     level,
+    means,
 )
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import find_stances, rows_in_stances
-from dogbot_logtool.core.corrections.clock import advancing
+from dogbot_logtool.core.corrections.clock import TimeSource, advancing
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.legs.ground import (
     FEWEST,
-    Ground,
+    FeetOnGround,
     LegJoints,
+    at_rest,
     effort_fault,
     ground_forces,
     loaded_feet,
-    low_feet,
     middles,
     resting_feet,
-    slopes,
     stuck_joint,
 )
 from dogbot_logtool.core.recording import Recording
@@ -100,15 +100,15 @@ def estimate(
     if stuck := stuck_joint(joints, legs):
         raise ValueError(stuck)
     inertial, turns_from = _inertial(recording, joints, mounting)
-    feet = _resting(joints, motions, inertial)
+    feet = resting_feet(joints, motions, inertial)
     if turns_from == _BY_FEET:
         feet = _turned_by_feet(feet)
-    inertial, points, ground = feet.inertial, feet.points, feet.ground
+    inertial, points = feet.inertial, feet.points
     force, why = _forces(joints, motions, points, inertial, mass_kg)
-    standing = ground.resting
+    standing = feet.resting
     if not why:
         vertical = np.einsum("nfi,ni->nf", force, inertial.up)
-        standing = loaded_feet(joints.seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, ground)
+        standing = loaded_feet(joints.seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, feet)
     standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
     moved = feet.odometry(standing)
     if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
@@ -116,7 +116,7 @@ def estimate(
     base = _poses(joints, feet, standing, moved)
     placed = base
     if len(recording.base.log_time):
-        poses = base_history(recording.base, joints.clock)
+        poses = base_history(recording.base, TimeSource.HEADER)
         turned = from_roll_pitch_yaw(poses.angles_at(joints.time))
         placed = replace(base, position=poses.position_at(joints.time), orientation=turned)
     return Estimate(
@@ -132,70 +132,16 @@ def estimate(
     )
 
 
-class _Resting(NamedTuple):
-    """Which feet rest on the ground, by how they and the base move."""
-
-    time: Ints
-    """(n,) ns."""
-    inertial: Inertial
-    points: Floats
-    """(n, f, 3) m, where feet may touch the ground, along the base's axes; also `velocity`, m/s."""
-    velocity: Floats
-    ground: Ground
-
-    @property
-    def seconds(self) -> Floats:
-        """(n,) s, since the first."""
-        return np.asarray((self.time - self.time[0]) / 1e9)
-
-    def turn_by(self, standing: Flags) -> Floats:
-        """(n - 1,) rad/s about the vertical, by feet that stand; NaN where they do not tell."""
-        return leg_odometry(self.time, self.points, standing).turn_rate[:, 2]
-
-    def low(self) -> Flags:
-        """(n, f) which feet are so low that they may stand, however the base turns."""
-        return low_feet(self.seconds, self.points, self.inertial.up)
-
-    def odometry(self, standing: Flags) -> LegOdometry:
-        """Return how the base moves by those of standing feet that agree."""
-        sure = standing & self.ground.agreeing
-        return leg_odometry(self.time, self.points, sure, self.inertial.turn, self.velocity)
-
-
-def _resting(joints: LegJoints, motions: Sequence[LegMotion], inertial: Inertial) -> _Resting:
-    """Tell which feet rest.
-
-    Args:
-        joints: of all legs.
-        motions: of each leg.
-        inertial: how the base leans and turns.
-    """
-    up, rates, points, moved = inertial.up, slopes(joints.seconds, joints.position), [], []
-    for each in motions:
-        points.append(each.foot - each.leg.radius_m * up)
-        jacobian, _ = each.jacobian(points[-1])
-        moved.append(np.einsum("nik,nk->ni", jacobian, rates[:, joints.columns(each.leg.measured)]))
-    place, velocity = np.stack(points, axis=1), np.stack(moved, axis=1)
-    ground = resting_feet(joints.seconds, place, velocity, inertial.turn, up)
-    return _Resting(joints.time, inertial, place, velocity, ground)
-
-
-def _turned_by_feet(feet: _Resting) -> _Resting:
+def _turned_by_feet(feet: FeetOnGround) -> FeetOnGround:
     """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
     seconds, standing = feet.seconds, feet.low()
-    around = 2 * round(TURNS_S / float(median_of(np.diff(seconds)))) + 1
+    between = (seconds[1:] + seconds[:-1]) / 2.0
     for _ in range(2):
-        rates = feet.turn_by(standing)
-        known = np.flatnonzero(np.isfinite(rates))
-        if not len(known):
-            return feet
-        filled = np.interp(np.arange(len(seconds)), known, rates[known])
-        padded = np.pad(filled, around // 2, "edge")
-        turn = feet.inertial.turn.copy()
-        turn[:, 2] = np.convolve(padded, np.ones(around) / around, "valid")
-        ground = resting_feet(seconds, feet.points, feet.velocity, turn, feet.inertial.up)
-        feet = feet._replace(inertial=feet.inertial._replace(turn=turn), ground=ground)
-        standing = ground.resting
+        rates = bridged(feet.turn_by(standing), between)
+        turn = means(between, rates, seconds, TURNS_S)
+        feet = feet._replace(inertial=feet.inertial._replace(turn=turn))
+        feet = at_rest(feet, feet.low())
+        standing = feet.resting
     return feet
 
 
@@ -219,18 +165,19 @@ def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
     return ""
 
 
-def _contradiction(feet: _Resting, turns_from: str) -> str:
+def _contradiction(feet: FeetOnGround, turns_from: str) -> str:
     """Say how turns that something tells and those of the feet differ; empty: they do not."""
-    by_feet = feet.turn_by(feet.low())
+    by_feet = feet.turn_by(feet.low())[:, 2]
     known = np.isfinite(by_feet)
-    if not known.any():
-        return ""
-    turns = float(feet.inertial.yaw_rate[1:][known].mean()), float(by_feet[known].mean())
-    if abs(turns[0] - turns[1]) <= max(CONTRADICTS * max(map(abs, turns)), LEAST_TURN_RADPS):
+    told, stepped = (
+        float(each[known].sum() / max(known.sum(), 1))
+        for each in (feet.inertial.yaw_rate[1:], by_feet)
+    )
+    if abs(told - stepped) <= max(CONTRADICTS * max(abs(told), abs(stepped)), LEAST_TURN_RADPS):
         return ""
     return (
-        f"turns by {turns_from}, {turns[0]:.2f} rad/s in the mean, and by the standing feet, "
-        f"{turns[1]:.2f} rad/s, contradict each other"
+        f"turns by {turns_from}, {told:.2f} rad/s in the mean, and by the standing feet, "
+        f"{stepped:.2f} rad/s, contradict each other"
     )
 
 
@@ -244,7 +191,7 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
     """
     readings = recording.accelerations
     if readings is not None:
-        read, times = readings.samples, joints.clock.of(readings.samples)
+        read, times = readings.samples, readings.samples.stamp
         reach = round(LONG_S * 1e9)
         near = (times >= joints.time[0] - reach) & (times <= joints.time[-1] + reach)
         rows = np.flatnonzero(near & all_finite(read.vector) & all_finite(read.turn_rate))
@@ -279,7 +226,7 @@ def _debounced(time: Ints, standing: Flags) -> Flags:
     return rows_in_stances(begin, end, standing)
 
 
-def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometry) -> Odometry:
+def _poses(joints: LegJoints, feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     """Return poses of the base from the origin on, with heading 0 and the height over the feet.
 
     Args:
@@ -297,16 +244,10 @@ def _poses(joints: LegJoints, feet: _Resting, standing: Flags, moved: LegOdometr
     own = inertial.felt - GRAVITY_MPS2 * inertial.up
     found = dead_reckoned(moved, inertial.roll_pitch, own)
     position = found.position.copy()
-    position[:, 2] = _height(seconds, feet.points, standing, inertial.up)
+    height = np.where(standing, -np.einsum("nfi,ni->nf", feet.points, inertial.up), np.nan)
+    position[:, 2] = bridged(mean_of_known(height)[:, None], seconds)[:, 0]
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
-    return Odometry(joints.log_time, joints.stamp, position, turned, rate)
-
-
-def _height(seconds: Floats, points: Floats, standing: Flags, up: Floats) -> Floats:
-    """(n,) m, of the base over the mean of the standing feet."""
-    below = mean_of_known(np.where(standing, -np.einsum("nfi,ni->nf", points, up), np.nan))
-    some = np.flatnonzero(np.isfinite(below))
-    return np.interp(seconds, seconds[some], below[some]) if len(some) else np.zeros(len(seconds))
+    return Odometry(joints.log_time, joints.time, position, turned, rate)
 
 
 def _samples(foot: int, standing: Flags, points: Floats, force: Floats, base: Odometry) -> Samples:

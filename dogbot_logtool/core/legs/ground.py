@@ -24,22 +24,23 @@ from dogbot_logtool.core.arrays import (
     median_of,
     median_of_known,
     percentiles_of,
-    picked,
+)
+from dogbot_logtool.core.base.leg_odometry import (
+    Inertial,
+    LegOdometry,
+    leg_odometry,
 )
 from dogbot_logtool.core.corrections.clock import (
     TimeSource,
-    advancing,
-    check_stamps,
     first_at_each_tick,
 )
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion
+from dogbot_logtool.core.legs.joints import usable_rows
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.timespans import covers
 
 RATE_HZ: Final = 200.0
 """At which legs are looked at, at most."""
-SLOWEST_S: Final = 0.04
-"""s between two joint states, beyond which they tell no contact."""
 FEWEST: Final = 20
 """Joint states at least."""
 
@@ -50,12 +51,10 @@ class LegJoints(NamedTuple):
     names: tuple[str, ...]
     topic: str
     """The topic that tells of most of them."""
-    clock: TimeSource
     log_time: Ints
-    """(n,) ns; also `stamp`."""
-    stamp: Ints
+    """(n,) ns."""
     time: Ints
-    """(n,) ns on `clock`, strictly increasing."""
+    """(n,) ns, by stamps; strictly increasing."""
     position: Floats
     """(n, k) rad or m."""
     effort: Floats
@@ -86,56 +85,36 @@ def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoi
         text = f"joint states of {table.topic} do not tell of {', '.join(lacking)}"
         raise ValueError(f"{text}, which the robot description has")
     samples = table.samples.only(np.array([table.names.index(name) for name in names]))
-    check = check_stamps(table.topic, samples.stamp, samples.log_time)
-    usable, clock = all_finite(samples.position), TimeSource.LOG
-    if check.mostly_usable:
-        usable, clock = usable & check.usable, TimeSource.HEADER
-    rows, time = np.flatnonzero(usable), clock.of(samples)
-    rows = rows[advancing(time[rows])]
-    rows = rows[first_at_each_tick(time[rows], RATE_HZ)]
+    told = np.flatnonzero(all_finite(samples.position))
+    rows, time = usable_rows(table, told, TimeSource.HEADER)
+    kept = first_at_each_tick(time, RATE_HZ)
+    rows, time = rows[kept], time[kept]
     if len(rows) < FEWEST:
         raise ValueError("too few joint states tell the positions of all joints of the legs")
-    interval_s = float(median_of(np.diff(time[rows]))) / 1e9
-    if interval_s > SLOWEST_S:
-        raise ValueError(f"joint states come {1.0 / interval_s:.3g} times a second, too rarely")
-    kept = picked(samples, rows)
-    times = kept.log_time, kept.stamp, time[rows]
-    return LegJoints(tuple(names), table.topic, clock, *times, kept.position, kept.effort)
+    values = samples.log_time[rows], time, samples.position[rows], samples.effort[rows]
+    return LegJoints(tuple(names), table.topic, *values)
 
 
-BLOCK_S: Final = 0.5
-"""s, spans in which joints are looked at whether they move."""
-STUCK: Final = 4
-"""Spans in which a joint that tells one position is stuck, at least."""
 MOVES_RAD: Final = 0.05
-"""rad, or m: a joint that goes further in such a span moves."""
+"""rad, or m: a joint that goes further moves."""
 
 
 def stuck_joint(joints: LegJoints, legs: Sequence[Leg]) -> str:
-    """Say which joint tells one position for long while the other legs' joints of its place move.
+    """Say which joint tells one position while the other legs' joints of its place move.
 
     Args:
         joints: of all legs.
         legs: of the robot.
 
     Returns:
-        a sentence; empty: all move, or none, or legs have different joints.
+        a sentence; empty: there is none.
     """
-    columns = [joints.columns(leg.measured) for leg in legs]
-    if len({len(each) for each in columns}) > 1:
-        return ""
-    _, first = np.unique((joints.seconds / BLOCK_S).astype(np.int64), return_index=True)
-    highest, lowest = (
-        extreme.reduceat(joints.position, first, axis=0) for extreme in (np.maximum, np.minimum)
-    )
-    ways = (highest - lowest)[:, columns]
-    others_move = median_of(ways, axis=1)[:, None] > MOVES_RAD
-    stuck = ((ways == 0.0) & others_move).sum(axis=0)
-    if stuck.max(initial=0) < STUCK:
-        return ""
-    leg, column = np.unravel_index(stuck.argmax(), stuck.shape)
-    seconds, name = stuck.max() * BLOCK_S, legs[leg].measured[column]
-    return f"{name} tells one position for {seconds:.3g} s while other legs move"
+    reach = np.ptp(joints.position, axis=0)
+    for alike in zip(*(leg.measured for leg in legs), strict=False):
+        moved = reach[joints.columns(alike)]
+        if moved.min() == 0.0 and median_of(moved) > MOVES_RAD:
+            return f"{alike[moved.argmin()]} tells one position while other legs move"
+    return ""
 
 
 SLOPE_S: Final = 0.02
@@ -163,15 +142,41 @@ EDGE: Final = 0.2
 """Share of a contact at either end in which the foot may not rest yet, or any more."""
 
 
-class Ground(NamedTuple):
-    """What the feet tell of the ground below."""
+class FeetOnGround(NamedTuple):
+    """Which feet rest on the ground, by how they and the base move."""
 
+    time: Ints
+    """(n,) ns."""
+    inertial: Inertial
+    """How the base leans and turns."""
+    points: Floats
+    """(n, f, 3) m, where feet may touch the ground, along the base's axes; also `velocity`, m/s, of
+    the matter there."""
+    velocity: Floats
     resting: Flags
-    """(n, f) whether each foot rests on it."""
+    """(n, f) whether each foot rests; also `agreeing`, whether each is slow against what all of
+    them agree on, and `fast`, so fast that it swings, whatever its leg's torques say."""
     agreeing: Flags
-    """(n, f) whether each is slow against what all of them agree on."""
     fast: Flags
-    """(n, f) whether each is so fast that it swings, whatever its leg's torques say."""
+
+    @property
+    def seconds(self) -> Floats:
+        """(n,) s since the first."""
+        return np.asarray((self.time - self.time[0]) / 1e9)
+
+    def turn_by(self, standing: Flags) -> Floats:
+        """(n - 1, 3) rad/s, by feet that stand, about z only; NaN where they do not tell."""
+        return leg_odometry(self.time, self.points, standing).turn_rate
+
+    def low(self) -> Flags:
+        """(n, f) which feet are so low that they may stand, however the base turns."""
+        lift, usual = _lift(self.seconds, self.points, self.inertial.up)
+        return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
+
+    def odometry(self, standing: Flags) -> LegOdometry:
+        """Return how the base moves by those of standing feet that agree."""
+        sure = standing & self.agreeing
+        return leg_odometry(self.time, self.points, sure, self.inertial.turn, self.velocity)
 
 
 def slopes(seconds: Floats, values: Floats) -> Floats:
@@ -182,10 +187,8 @@ def slopes(seconds: Floats, values: Floats) -> Floats:
         values: (n, ...), of any unit.
 
     Returns:
-        (n, ...); of less than two values zeros.
+        (n, ...).
     """
-    if len(seconds) < 2:
-        return np.zeros_like(values)
     step = max(float(median_of(np.diff(seconds))), 1e-6)
     reach = max(1, round(SLOPE_S / 2.0 / step))
     row = np.arange(len(seconds))
@@ -194,35 +197,39 @@ def slopes(seconds: Floats, values: Floats) -> Floats:
     return np.asarray((values[after] - values[before]) / apart)
 
 
-def resting_feet(
-    seconds: Floats, feet: Floats, velocity: Floats, turn: Floats, up: Floats
-) -> Ground:
+def resting_feet(joints: LegJoints, legs: Sequence[LegMotion], inertial: Inertial) -> FeetOnGround:
     """Tell which feet rest on the ground: those that are low, and agree on the base's velocity.
 
     Args:
-        seconds: (n,) s.
-        feet: (n, f, 3) m, where they may touch the ground, along the base's axes.
-        velocity: (n, f, 3) m/s, of the matter there.
-        turn: (n, 3) rad/s, of the base.
-        up: (n, 3) unit vectors, against gravity, along the base's axes.
+        joints: of all legs.
+        legs: motion of each.
+        inertial: how the base leans and turns.
     """
-    implied = -(velocity + np.cross(turn[:, None], feet))
-    lift, usual = _lift(seconds, feet, up)
-    resting, top = low_feet(seconds, feet, up), 0.0
+    rates, points, moved = slopes(joints.seconds, joints.position), [], []
+    for each in legs:
+        points.append(each.foot - each.leg.radius_m * inertial.up)
+        jacobian, _ = each.jacobian(points[-1])
+        moved.append(np.einsum("nik,nk->ni", jacobian, rates[:, joints.columns(each.leg.measured)]))
+    none = np.zeros((len(joints.time), len(legs)), np.bool_)
+    places, velocity = np.stack(points, axis=1), np.stack(moved, axis=1)
+    feet = FeetOnGround(joints.time, inertial, places, velocity, none, none, none)
+    return at_rest(feet, feet.low())
+
+
+def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
+    """Tell anew which feet rest, by (n, f) those that may."""
+    seconds, up = feet.seconds, feet.inertial.up
+    implied = -(feet.velocity + np.cross(feet.inertial.turn[:, None], feet.points))
+    lift, usual = _lift(seconds, feet.points, up)
+    close, top = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M), 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
         speed = np.linalg.norm(implied - base[:, None], axis=2)
         top = float(percentiles_of(speed, 95.0))
         limit = float(np.clip(SLOW * top, *SLOWEST_MPS))
-        close = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M)
         resting = latched(close & (speed < limit), ~close | (speed > LOOSELY * limit))
-    return Ground(resting, speed < AGREE * limit, speed > max(FAST * top, LOOSELY * limit))
-
-
-def low_feet(seconds: Floats, feet: Floats, up: Floats) -> Flags:
-    """(n, f) which feet are so low that they may stand; see `resting_feet`."""
-    lift, usual = _lift(seconds, feet, up)
-    return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
+    fast = speed > max(FAST * top, LOOSELY * limit)
+    return feet._replace(resting=resting, agreeing=speed < AGREE * limit, fast=fast)
 
 
 def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
@@ -248,11 +255,8 @@ def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
 def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
     """(n, 3) m/s, the median velocity that resting feet imply, smoothed over time."""
     some = np.flatnonzero(resting.any(axis=1))
-    if not len(some):
-        return np.zeros((len(seconds), 3))
     known = np.where(resting[some][:, :, None], implied[some], np.nan)
-    found = median_of_known(known, axis=1)
-    total = np.concatenate([np.zeros((1, 3)), np.cumsum(found, axis=0)])
+    total = np.concatenate([np.zeros((1, 3)), np.cumsum(median_of_known(known, axis=1), axis=0)])
     begin = np.searchsorted(seconds[some], seconds - AROUND_S)
     end = np.searchsorted(seconds[some], seconds + AROUND_S, side="right")
     begin = np.minimum(begin, len(some) - 1)
@@ -279,8 +283,6 @@ BOUNCE: Final = 0.35
 """Share of the usual time without rest below which a foot without load bounces, or less than
 `LONGEST_BOUNCE_S`."""
 LONGEST_BOUNCE_S: Final = 0.08
-RESTED: Final = 0.2
-"""Share of a foot's time under load in which it rests, at least."""
 FORCE_ONLY: Final = 1e-6
 """How little forces are damped in a least-squares fit, and how much `MOMENT` moments at a foot."""
 MOMENT: Final = 1e-2
@@ -331,7 +333,7 @@ def _force(seconds: Floats, leg: LegMotion, point: Floats, effort: Floats, felt:
     return np.asarray(np.linalg.solve(square, asked[:, :, None])[:, :3, 0])
 
 
-def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: Ground) -> Flags:
+def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: FeetOnGround) -> Flags:
     """(n, f) which feet carry a load, and rest meanwhile, but for touchdown and lift-off.
 
     Args:
@@ -344,17 +346,13 @@ def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: Grou
     on, off = vertical >= LOADED * share, vertical < UNLOADED * share
     loaded = latched(on & ~ground.fast, off | ground.fast)
     for foot in range(vertical.shape[1]):
-        resting = ground.resting[:, foot]
         # A foot that bounces at touchdown, while it is there already.
-        swings = _lasting_s(seconds, flagged_runs(~resting))
+        swings = _lasting_s(seconds, flagged_runs(~ground.resting[:, foot]))
         usual = float(median_of(swings)) if len(swings) else 0.0
         aloft = flagged_runs(~loaded[:, foot])
         short = _lasting_s(seconds, aloft) < min(BOUNCE * usual, LONGEST_BOUNCE_S)
         for first, behind in aloft[short].tolist():
             loaded[first:behind, foot] = True
-        for first, behind in flagged_runs(loaded[:, foot]).tolist():
-            if resting[first:behind].mean() < RESTED:
-                loaded[first:behind, foot] = False
     return loaded
 
 

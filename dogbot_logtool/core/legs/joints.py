@@ -26,9 +26,10 @@ from dogbot_logtool.core.corrections.clock import (
     TimeSource,
     advancing,
     check_stamps,
+    first_at_each_tick,
 )
 from dogbot_logtool.core.frames import kinematics
-from dogbot_logtool.core.frames.transforms import FrameTrack
+from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
@@ -156,7 +157,7 @@ def joint_tracks(
             recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
             key = recorded.tobytes()
             if key not in used:
-                used[key] = _usable(table, np.flatnonzero(recorded), clock)
+                used[key] = usable_rows(table, np.flatnonzero(recorded), clock)
             rows, time = used[key]
             if len(rows) and name not in found and len(found) < MOST_JOINTS:
                 position, velocity, effort = (
@@ -169,7 +170,7 @@ def joint_tracks(
     return dict(sorted(found.items()))
 
 
-def _usable(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
+def usable_rows(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
     """Return those of some messages whose time is later than all before, and these times, ns."""
     log_time, stamp = table.samples.log_time[rows], table.samples.stamp[rows]
     good = np.ones(len(rows), np.bool_)
@@ -273,6 +274,37 @@ def _near_limit(limits: JointLimits, position: Floats, effort: Floats, speed: Fl
 def _middles(values: Floats) -> Floats:
     middles: Floats = (values[1:] + values[:-1]) / 2.0
     return middles
+
+
+JOINT_RATE_HZ: Final = 100.0
+
+
+def link_tracks(
+    joints: Sequence[kinematics.Joint], tracks: Mapping[str, JointTrack]
+) -> dict[str, FrameTrack]:
+    """Return the links that joints move, `JOINT_RATE_HZ` times a second, and those that rest.
+
+    Args:
+        joints: of a robot description; those that nothing tells are left out.
+        tracks: by name.
+    """
+    links: dict[str, FrameTrack] = {}
+    start = np.zeros(1, np.int64)
+    for joint in joints:
+        position, times, moves = np.zeros(1), (start, start), False
+        if joint.kind != "fixed":
+            track = tracks.get(joint.measured)
+            if track is None:
+                continue
+            # A joint that never moves is where it is, in its silences, too.
+            moves = track.moves
+            rows = np.flatnonzero(first_at_each_tick(track.time, JOINT_RATE_HZ)) if moves else [0]
+            position = track.position[rows].astype(np.float64)
+            times = track.time[rows], track.log_time[rows]
+        shift, turn = kinematics.link_poses([joint], position[:, None])
+        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
+        links |= {joint.child: found} if found else {}
+    return links
 
 
 class LegFoot(NamedTuple):

@@ -449,7 +449,7 @@ class RecordLog(Log):
 
 def _impossible(chunk: Chunk, file_size: int) -> str:
     """Return why what a chunk claims cannot be true, before memory is set aside for it."""
-    if chunk.data_offset + chunk.data_size > file_size:
+    if chunk.data_offset + chunk.data_size > min(chunk.end, file_size):
         return "it is cut off by the end of the file"
     if is_honest_size(chunk.size, chunk.data_size):
         return ""

@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.io import storage
 from dogbot_logtool.io.storage import Location
 
@@ -157,13 +157,10 @@ class RemoteSource(ByteSource):
             facts: what the store says about it.
 
         Raises:
-            CallError: it is a directory.
             LogError: the store does not give its size.
         """
         self.path = url
         self._url = url
-        if facts.is_folder:
-            raise CallError(f"{storage.name_of(url)}: is a directory, not a log file")
         if facts.size is None:
             raise LogError(
                 f"{storage.name_of(url)}: its server does not tell its size, so that it cannot be "

@@ -103,18 +103,16 @@ class Struct(NamedTuple):
 
 FieldType = Primitive | Text | FixedArray | VariableArray | Struct
 
-_ROS1_CLOCKS: Final[Mapping[str, Struct]] = {
-    "builtin_interfaces/msg/Time": Struct(
-        "time", (("sec", Primitive("u4")), ("nanosec", Primitive("u4")))
-    ),
-    "builtin_interfaces/msg/Duration": Struct(
-        "duration", (("sec", Primitive("i4")), ("nanosec", Primitive("i4")))
-    ),
-}
-_ROS2_CLOCKS: Final[Mapping[str, Struct]] = {
-    name: Struct(name, (("sec", Primitive("i4")), ("nanosec", Primitive("u4"))))
-    for name in _ROS1_CLOCKS
-}
+_TIME, _DURATION = "builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"
+
+
+def clock(name: str, seconds: str, nanoseconds: str) -> Struct:
+    """Return a time or a duration, of two numbers."""
+    return Struct(name, (("sec", Primitive(seconds)), ("nanosec", Primitive(nanoseconds))))
+
+
+_ROS1_CLOCKS: Final = {_TIME: clock("time", "u4", "u4"), _DURATION: clock("duration", "i4", "i4")}
+_ROS2_CLOCKS: Final = {name: clock(name, "i4", "u4") for name in _ROS1_CLOCKS}
 
 
 def short_type_name(name: str) -> str:
@@ -143,8 +141,6 @@ def parse_definition(type_name: str, text: str, schema_encoding: str) -> Struct:
     """
     if len(text) > _MAX_TEXT:
         raise DefinitionError(f"the definition of {type_name} is {len(text)} characters long")
-    if not schema_encoding and not text:
-        raise DefinitionError(f"neither the log nor this program has a definition of {type_name}")
     parsed = parse_types(type_name, text, schema_encoding)
     types = {name: fields for name, (_constants, fields) in parsed.items()}
     return _TreeBuilder(types, schema_encoding).struct(long_type_name(type_name), ())
@@ -277,17 +273,12 @@ def known_definition(
     Returns:
         the text as ``ros1msg`` or ``ros2msg``; None for a type that is not known.
     """
-    from rosbags.typesys import TypesysError  # noqa: PLC0415 - takes long to import
-
     is_ros1 = serialisation == "ros1"
     store = _store("ros1" if is_ros1 else distribution)
     name = long_type_name(type_name)
     if name not in store.fielddefs:
         return None
-    try:
-        return store.generate_msgdef(name, ros_version=1 if is_ros1 else 2)[0]
-    except (TypesysError, KeyError):
-        return None
+    return store.generate_msgdef(name, ros_version=1 if is_ros1 else 2)[0]
 
 
 @lru_cache(maxsize=4)

@@ -20,6 +20,7 @@ from dogbot_logtool.reader.decode.definition import (
     Struct,
     Text,
     VariableArray,
+    clock,
 )
 
 OBJECT_ENCODINGS: Final = frozenset({"protobuf", "json"})
@@ -31,7 +32,7 @@ _FAULTS: Final = (ValueError, TypeError, KeyError, AttributeError, OverflowError
 _NUMBER: Final = Primitive("f8", "float64")
 _OPTIONAL: Final = Primitive("f8", "optional float64")
 """A number that a message may lack, and which then is NaN."""
-_TIME: Final = Struct("time", (("sec", Primitive("u4")), ("nanosec", Primitive("u4"))))
+_TIME: Final = clock("time", "u4", "u4")
 _TIMES: Final = ("google.protobuf.Timestamp", "google.protobuf.Duration")
 
 

@@ -6,11 +6,12 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, median_of
+from dogbot_logtool.core.arrays import median_of
+from dogbot_logtool.core.frames.transforms import fixed_turn
 from dogbot_logtool.core.legs.estimate import Estimate, estimate
 from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
+from dogbot_logtool.core.legs.joints import link_tracks
 from dogbot_logtool.core.recording import JointTable, Recording
-from dogbot_logtool.core.rotations import multiply
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.reader.foot import Foot
@@ -68,7 +69,11 @@ def _estimated(
     names = dict.fromkeys(name for leg in legs for name in leg.measured)
     joints = joints_of_legs(recording.joints, tuple(names))
     mass = named.mass_kg or robot.mass_kg
-    estimated = estimate(recording, legs, joints, _mounting(recording, robot), mass)
+    named_frames = recording.accelerations.frames if recording.accelerations else ()
+    unit = named_frames[0] if len(named_frames) == 1 else robot.base
+    turn = fixed_turn(link_tracks(robot.joints, {}), unit, robot.base)
+    mounting = np.array(turn or (0.0, 0.0, 0.0, 1.0))
+    estimated = estimate(recording, legs, joints, mounting, mass)
     named = replace(named, forward_axis=axis, base_frame=named.base_frame or robot.base)
     findings = [*selection.findings]
     if not selection.odometry:
@@ -143,18 +148,6 @@ def _based(recording: Recording, named: str | None, robot: RobotOfUrdf) -> Robot
     below = {joint.parent for joint in robot.joints}
     names = (each.strip("/") for each in (named or "", *recording.base_frames))
     return robot._replace(base=next((name for name in names if name in below), robot.base))
-
-
-def _mounting(recording: Recording, robot: RobotOfUrdf) -> Floats:
-    """(4,) x, y, z, w, of an inertial unit's frame in the base's, by fixed joints."""
-    frames = recording.accelerations.frames if recording.accelerations else ()
-    above = {joint.child: joint for joint in robot.joints if joint.kind == "fixed"}
-    turn = np.array([[0.0, 0.0, 0.0, 1.0]])
-    link = frames[0].strip("/") if len(frames) == 1 else robot.base
-    while link != robot.base and link in above:
-        turn = multiply(np.array([above[link].rotation]), turn)
-        link = above[link].parent
-    return np.asarray(turn[0])
 
 
 def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iterator[Finding]:

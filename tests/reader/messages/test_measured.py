@@ -11,7 +11,6 @@ from rosbags.typesys import get_types_from_msg
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.core.checks.engine import findings_of
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.option import part_of
 from dogbot_logtool.options import MeasureOptions
@@ -251,48 +250,3 @@ def test_types_that_do_not_tell_of_feet(tmp_path: Path, walk: StateWalk, kind: s
     found = describe(written(tmp_path, walk, walk.messages(kind)), InfoOptions())
     assert {topic.topic: topic.use for topic in found.topics}["/feet"] == ""
     assert "NO_FEET" in {finding.code for finding in found.findings}
-
-
-class TurnedSensors(walks.Walk):
-    """Sensors that hang upside down: what is up in the world is down in their frames."""
-
-    def wrench(self, values: Any) -> Any:
-        return super().wrench(np.array(values) * (1.0, -1.0, -1.0))
-
-    def frames(self) -> walks.Entry:
-        kind, turned = "tf2_msgs/msg/TFMessage", {"rotation": (1.0, 0.0, 0.0, 0.0)}
-        header = self.header(0, "base")
-        transforms = [
-            {"header": header, "child_frame_id": f"{leg}_sensor", "transform": turned}
-            for leg in walks.LEGS
-        ]
-        data = self.bytes_of(kind, self.make(kind, transforms=transforms))
-        return walks.Entry("/tf_static", kind, walks.START, data)
-
-
-def test_a_force_sensor_s_frame_is_turned_into_the_world(tmp_path: Path) -> None:
-    kind, walk = "geometry_msgs/msg/WrenchStamped", TurnedSensors(2)
-    path = written(tmp_path, walk, [walk.frames(), *walk.messages(kind)])
-    found = figures(path, options_for(tmp_path, kind))
-    times = np.arange(walks.SAMPLES) * walks.STEP / 1e9
-    for leg in walks.LEGS:
-        foot, vertical = found["feet"][leg], walks.FORCES[leg][:, 2]
-        assert foot["peak_vertical_force_n"]["mean"] == pytest.approx(vertical.max())
-        expected = np.trapezoid(vertical, times)
-        assert foot["vertical_impulse_ns"] == pytest.approx(expected, rel=1e-9)
-
-
-def test_swings_of_sensors_that_are_silent_in_swing_are_no_gaps(tmp_path: Path) -> None:
-    """But a silence that no swing lasts is one, and only of its own topic."""
-    walk = walks.Walk(2)
-    entries = list(walk.messages(GZ))
-    done = measure(written(tmp_path, walk, entries), MeasureOptions()).walk
-    assert not [topic for topic in done.corrected.topics if "contact" in topic.topic and topic.gaps]
-    assert not [each for each in findings_of(done) if each.code == "GAPS"]
-    silent = walks.foot_topic(GZ, walks.LEGS[0])
-    start, end = walks.START + 1_000_000_000, walks.START + 4_800_000_000
-    kept = [e for e in entries if e.topic != silent or not start < e.log_time < end]
-    done = measure(written(tmp_path, walk, kept), MeasureOptions()).walk
-    (found,) = [topic for topic in done.corrected.topics if topic.gaps]
-    assert (found.topic, found.gaps) == (silent, 1)
-    assert found.longest_gap_s == pytest.approx(3.8, abs=0.5)

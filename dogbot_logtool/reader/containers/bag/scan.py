@@ -59,8 +59,6 @@ class BagLog(RecordLog):
         start = len(BAG_MAGIC)
         try:
             header = record_in_file(self.source.read, start)
-            if header.op() != BagOp.BAG_HEADER:
-                raise MalformedRecord("the bag's header is missing")
             index_start = header.number("index_pos", 8)
             if index_start == 0:
                 raise UnusableIndex(Loss(start, _NOT_CLOSED))

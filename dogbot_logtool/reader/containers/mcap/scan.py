@@ -38,7 +38,6 @@ from dogbot_logtool.reader.containers.record_log import (
     open_records,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
 from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource
 
@@ -194,8 +193,6 @@ class McapLog(RecordLog):
     def _checksum(self, chunk: Chunk, stored: memoryview) -> tuple[int, tuple[Loss, ...]]:
         """See `RecordLog._checksum`; a chunk that the end of the file cuts off has none."""
         head = bytes(stored[:CHUNK_HEAD_SIZE])
-        if len(head) < RECORD_HEAD.size + CHUNK_HEAD.size:
-            raise ChunkDamage("it is cut off")
         opcode, length = RECORD_HEAD.unpack_from(head)
         record_end = chunk.offset + RECORD_HEAD.size + length
         if record_end > chunk.end == self.source.size:
@@ -263,10 +260,10 @@ class McapLog(RecordLog):
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:
-    if offset + INDEX_HEAD.size > len(behind):
-        return None
-    opcode, length, channel, size = INDEX_HEAD.unpack_from(behind, offset)
-    start, end = offset + INDEX_HEAD.size, offset + RECORD_HEAD.size + length
+    start = offset + INDEX_HEAD.size
+    head = bytes(behind[offset:start]).ljust(INDEX_HEAD.size, b"\0")
+    opcode, length, channel, size = INDEX_HEAD.unpack(head)
+    end = offset + RECORD_HEAD.size + length
     if opcode != Opcode.MESSAGE_INDEX or not start + size <= end <= len(behind):
         return None
     return channel, behind[start : start + size], end

@@ -140,8 +140,6 @@ def next_sound(fmt: RecordFormat, read: Read, offset: int, end: int) -> int:
     size = _FIRST_WINDOW
     while offset < end:
         window = read(offset, min(size + _OVERLAP, end - offset))
-        if not window:
-            return end
         for match in fmt.record_start.finditer(window):
             candidate = offset + match.start()
             if match.start() >= size:
