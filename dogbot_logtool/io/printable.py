@@ -38,19 +38,8 @@ def printable_lines(text: str) -> str:
 
 
 def shell_quoted(word: str) -> str:
-    """Return a word as a shell takes it, printable whatever it holds.
-
-    Control characters stand in ``$'...'``, which bash, zsh and ksh understand.
-    """
-    if word.isprintable():
-        return shlex.quote(word)
-    return f"$'{''.join(map(_in_dollar_quotes, word))}'"
-
-
-def _in_dollar_quotes(char: str) -> str:
-    if char.isprintable():
-        return f"\\{char}" if char in {"\\", "'"} else char
-    return "".join(f"\\x{byte:02x}" for byte in char.encode("utf-8", "surrogateescape"))
+    """Return a word as a shell takes it; one with control characters is only shown."""
+    return printable(shlex.quote(word))
 
 
 def shell_joined(words: Iterable[str]) -> str:

@@ -100,6 +100,8 @@ def faults() -> Iterator[Case]:
         ("sinks by 4 cm/s uphill", UPHILL, pose.rising(-0.04), "WORLDS_DIFFER the base rises by -",
          (PLACES, TF)),
         ("planar poses uphill", UPHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
+        ("planar poses on a slope, on the spot", replace(UPHILL, speed_mps=0.0), pose.flat(),
+         "POSE_PLANAR .* the feet's plane leans", (POINTS,)),
         ("planar poses downhill", DOWNHILL, pose.flat(), "POSE_PLANAR", (POINTS, GYRO)),
     )
     for name, walk, fault, says, ways in table:

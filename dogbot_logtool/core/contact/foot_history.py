@@ -22,7 +22,6 @@ from dogbot_logtool.core.arrays import (
     Ints,
     flagged_runs,
     latched,
-    means_by_group,
     median_of,
     percentiles_of,
     rows_of_runs,
@@ -229,34 +228,6 @@ def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
     swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)
     scuff &= (swing > duration) & (np.concatenate([[0], swing[:-1]]) > duration)
     return np.asarray(scuff)
-
-
-def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return when and where a foot stands in each of its stances.
-
-    Of a stance that is longer than usual, as one that a stand or a silence follows, the beginning
-    counts.
-
-    Returns:
-        (k,) ns, the mean time of its contact points, or the middle of a stance without any; and
-        (k, 3) m, their mean; NaN without any.
-    """
-    begin, end = foot.stances.touchdown, foot.stances.liftoff
-    if len(begin):
-        lasting = end - begin
-        # A float may be above the longest, and above every int64.
-        end = begin + np.minimum(lasting, min(int(median_of(lasting)), int(lasting.max())))
-    middle = begin + (end - begin) // 2
-    time, point = foot.track.contact_points
-    if not len(begin) or not len(time):
-        return middle, np.full((len(begin), 3), np.nan)
-    stance = np.searchsorted(begin, time, side="right") - 1
-    inside = (stance >= 0) & (time < end[np.maximum(stance, 0)])
-    rows = np.column_stack([time - begin[0], point])[inside]
-    means = means_by_group(rows, stance[inside], len(begin))
-    known = np.isfinite(means[:, 0])
-    middle[known] = begin[0] + means[known, 0].astype(np.int64)
-    return middle, means[:, 1:]
 
 
 BOUNCE: Final = 0.2

@@ -8,11 +8,11 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of
-from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls
+from dogbot_logtool.core.base.foot_path import Footfalls
 from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
 from dogbot_logtool.core.gait.strides import Standing, Strides, strides_of, walked_stances
 from dogbot_logtool.core.leg_position import LegPosition
@@ -70,8 +70,8 @@ class FootSteps(NamedTuple):
     """(stances,) which have lone spikes."""
     heading: Floats
     """(stances,) rad, of the base's forward axis in the middle of each stance; NaN: not known."""
-    stood: Footfalls | None
-    """Where it stands, by its places in the base's axes; None: its messages do not tell these."""
+    stood: Footfalls
+    """Where it stands."""
 
     @property
     def length_m(self) -> Floats:
@@ -93,11 +93,11 @@ def foot_steps(
     settings: WalkSettings,
     row: int,
     record: FootHistory,
+    stood: Footfalls,
     base: BaseHistory,
     fallen: Ints,
     standing: Standing,
     *,
-    path: FootPath | None = None,
     ground: MovingGround | None = None,
     is_dead: bool = False,
 ) -> FootSteps:
@@ -107,10 +107,10 @@ def foot_steps(
         settings: what decides the metrics.
         row: of the foot.
         record: its stances and track.
+        stood: where it stands.
         base: poses.
         fallen: (f, 2) ns, spans in which the robot lies.
         standing: spans without steps.
-        path: of the foot in the world, where its messages tell its places in the base's axes.
         ground: how the ground moves; None: it rests.
         is_dead: whether its sensor never reports a contact, and nothing says that it is lifted.
     """
@@ -136,8 +136,7 @@ def foot_steps(
         "propulsive_impulse_ns": propulsive,
     }
     travelled = stride_lengths(base, strides.touchdown, strides.end)
-    stood = None if path is None else footfalls(path, stances)
-    length, length_from = _own_lengths(record, stood, ground, stances, strides), "points"
+    length, length_from = _own_lengths(stood, ground, strides), "points"
     if not np.isfinite(length).any():
         # A stride in which the base hardly turns is as long for all of its feet.
         turn = base.angles_at(strides.end)[:, 2] - base.angles_at(strides.touchdown)[:, 2]
@@ -174,22 +173,11 @@ def foot_steps(
     )
 
 
-def _own_lengths(
-    record: FootHistory,
-    stood: Footfalls | None,
-    ground: MovingGround | None,
-    stances: Stances,
-    strides: Strides,
-) -> Floats:
+def _own_lengths(stood: Footfalls, ground: MovingGround | None, strides: Strides) -> Floats:
     """(strides,) m, horizontal distances from each place where a foot stands to its next one."""
-    if stood is None:
-        at, place = stance_places(record)
-    else:
-        at, place = stances.middle, stood.position
+    place = stood.position
     if ground is not None:
-        place = place - ground.displacement_at(at)
-    if not len(strides.stance):
-        return np.empty(0)
+        place = place - ground.displacement_at(stood.time)
     displacement = place[strides.stance + 1] - place[strides.stance]
     return np.asarray(np.hypot(displacement[:, 0], displacement[:, 1]))
 
