@@ -221,7 +221,7 @@ def doubts(documents: Sequence[Json]) -> Iterator[str]:
         checks = document["quality"]["checks"]
         failed = [each["name"] for each in checks if each["outcome"] == "failed"]
         if failed:
-            yield f"{document['log']['path']}: {', '.join(failed)} does not hold"
+            yield f"{document['log']['path']}: it does not hold that {' and '.join(failed)}"
 
 
 def _feet(first: Sequence[Json], second: Sequence[Json]) -> Iterator[str]:

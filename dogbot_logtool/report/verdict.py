@@ -4,6 +4,7 @@ The same words stand on the terminal and on the page.
 """
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
@@ -29,6 +30,10 @@ _SOURCES: Final = {
     "joint_torques": ", contact estimated from joint torques",
     "kinematics": ", contact estimated from the motion of the legs",
 }
+
+_WITHOUT_UNIT: Final = re.compile(
+    r"(_(m|n|s|ns|nps|mps|mps2|rad|radps|j|percent|fraction)(?=\.|$)|[_.*])+"
+)
 
 
 class Quality(NamedTuple):
@@ -100,15 +105,15 @@ def in_words(patterns: Sequence[str]) -> str:
             foot, _, metric = rest.partition(".")
             whose = "" if foot in {"*", ""} else f" of {foot}"
             words[f"{_without_unit(metric) or ('all' if whose else 'feet')}{whose}"] = None
+        elif group == "commands":
+            words["following of commands"] = None
         elif rest != "confidence":
             words[group if rest in {"*", "name"} else _without_unit(rest)] = None
     return ", ".join(words)
 
 
 def _without_unit(key: str) -> str:
-    for unit in ("_m", "_n", "_bw", "_s", "_mps", "_fraction"):
-        key = key.strip("*").rstrip("._").removesuffix(unit)
-    return key.replace("_", " ").replace(".*", "").replace(".", " ")
+    return _WITHOUT_UNIT.sub(" ", key).strip().replace(" bw", " in body weights")
 
 
 def headline(metrics: WalkMetrics) -> str:

@@ -30,6 +30,7 @@ from tests.truth.robots import GRAVITY_MPS2, Robot, quadruped
 
 MARGIN_HZ = 50.0
 """The margin is looked at so often; `stats` does so 25 times a second."""
+_PHASES, _HARMONICS = 512, 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +60,8 @@ class Walk:
     """Share of a stance in which a force that is flat on top rises, and falls; None: the curve."""
     traction: float = 0.1
     """B over the mean vertical force of a stance."""
+    heaves: bool = False
+    """Whether the base rises and falls as the feet's forces move its mass; on level ground."""
     link_swing_rad: float = 0.4
     """How far a foot's link tilts forward and back against the base in a stride."""
     link_lean_rad: float = 0.0
@@ -146,7 +149,16 @@ class Walk:
 
     def base(self, time: Floats) -> Floats:
         """(n, 3) m, the base in the world: `height_m` off the ground, along its normal."""
-        return self._in_world(*self._way(time), np.full_like(time, self.robot.height_m))
+        heave = self._heave(time) if self.heaves else np.zeros_like(time)
+        return self._in_world(*self._way(time), self.robot.height_m + heave)
+
+    def _heave(self, time: Floats) -> Floats:
+        """(n,) m: each harmonic of the force on a mass moves it by its share over w squared."""
+        phases = np.arange(_PHASES) / _PHASES * self.period_s
+        force = sum(self.force(foot, phases)[:, 2] for foot in range(len(self.robot.feet)))
+        shares = np.fft.rfft(force)[1 : _HARMONICS + 1] * 2.0 / _PHASES / self.robot.mass_kg
+        w = 2.0 * np.pi / self.period_s * np.arange(1, _HARMONICS + 1)
+        return np.asarray((np.exp(1j * w * time[:, None]) @ (-shares / w**2)).real)
 
     def attitude(self, time: Floats) -> Floats:
         """(n, 4) the base's orientation: parallel to the ground."""

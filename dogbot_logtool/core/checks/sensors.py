@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, interpolated, median_of
 from dogbot_logtool.core.base.motion import down_spans
 from dogbot_logtool.core.checks.base import HALF, STAYS_M, feet_agree, rest_in_the_air
 from dogbot_logtool.core.gait.feet import FootSteps
@@ -40,7 +40,7 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
-            if level.reason != why:
+            if not level.hides_contact:
                 say = "unknown"
                 yield found("SENSOR_OFFSET", say=say, where=where, foot=name, why=level.reason)
             continue
@@ -175,8 +175,10 @@ WALKS_FROUDE: Final = 0.06
 LEG_M, HEAVY_KG = 0.2, 20.0
 """m, the leg of a robot of 1 kg; of others it grows with the cube root of their mass. The mass that
 is assumed where none is known."""
-DANGLES_S: Final = 1.0
-"""s without a foot on the ground; no gait flies for so long."""
+FREE_FALL: Final = 0.5
+"""Share of gravity from which a base falls freely."""
+FALLS_S: Final = (0.03, 0.6)
+"""s, how long a base that walks or runs falls, at least and at most."""
 UNLIKE: Final = 0.3
 """By which the contact fraction of a foot differs from that of all others, if it is inverted."""
 ALIKE: Final = 0.08
@@ -195,7 +197,11 @@ def flags_inverted(walk: Walk) -> Iterator[Finding]:
     feet = [foot.name for foot in walk.feet if not foot.record.has_force and len(foot.touchdown)]
     if not feet or walk.ground is not None or len(walk.frozen):
         return
-    why = _why_all_inverted(walk, all_flags=len(feet) == len(walk.feet))
+    all_flags = len(feet) == len(walk.feet)
+    if all_flags and _falls(walk, timespans.intersect([f.record.in_contact for f in walk.feet])):
+        why = "the base falls freely when all feet would be down"
+    else:
+        why = _why_all_inverted(walk, all_flags=all_flags)
     if not why:
         feet = [name for name in _odd_feet(walk) if name in feet][:1]
         why = "its flag is down when those of the other feet are up"
@@ -223,27 +229,37 @@ def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
     walks = STANDS_FROUDE < speed**2 / (GRAVITY_MPS2 * leg_m) < WALKS_FROUDE
     # The other way round, a robot that has all feet down at times would fly then.
     hops = float(down[-1]) > FLIES
+    hops |= _falls(walk, walk.support.in_flight)
     if is_short and walks and not hops and not feet_agree(walk):
         return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
-    at = _dangles(walk, walk.support.in_flight)
-    if at is not None:
-        return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
+    for span in walk.standing.lifted:
+        if _is_as_high_as_in_steps(walk, span):
+            at = walk.seconds(span)[0]
+            return f"no foot would be down from {at:.1f} s on, while the base stands"
     return ""
 
 
-def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
-    """Return a long time without contact in which the base stands as high as in its steps."""
-    poses = walk.poses
-    height = aggregate(
-        poses.position[timespans.covers(timespans.merge(walk.strides), poses.time), 2]
-    )
-    for span in in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]:
-        inside = poses.position[timespans.covers(span[None], poses.time)]
-        if height is None or len(inside) < 2 or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:
-            continue
-        if abs(float(median_of(inside[:, 2])) - height.median) < STAYS_M:
-            return np.asarray(span)
-    return None
+def _falls(walk: Walk, spans: Ints) -> bool:
+    """Tell whether the base's height bends as gravity bends it in some short spans, (s, 2) ns."""
+    poses, seconds = walk.poses, np.diff(spans)[:, 0] / 1e9
+    spans = spans[(seconds > FALLS_S[0]) & (seconds < FALLS_S[1])]
+    if not len(spans) or len(poses.time) < 2:
+        return False
+    thirds = np.stack([spans[:, 0], spans.sum(axis=1) // 2, spans[:, 1]], axis=1)
+    first, middle, last = interpolated(thirds, poses.time, poses.position[:, 2:])[:, :, 0].T
+    falls_m = GRAVITY_MPS2 * (np.diff(spans)[:, 0] / 1e9) ** 2 / 8.0
+    bends_m = middle - (first + last) / 2.0
+    return float(bends_m @ falls_m) > FREE_FALL * float(falls_m @ falls_m)
+
+
+def _is_as_high_as_in_steps(walk: Walk, span: Ints) -> bool:
+    """Tell whether the base stays in its place in a span, ns, as high as while the feet step."""
+    time, position = walk.poses.time, walk.poses.position
+    inside = position[timespans.covers(span[None], time)]
+    height = position[timespans.covers(timespans.merge(walk.strides), time), 2]
+    if len(inside) < 2 or not len(height) or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:
+        return False
+    return bool(abs(median_of(inside[:, 2]) - median_of(height)) < STAYS_M)
 
 
 def _odd_feet(walk: Walk) -> Iterator[str]:
