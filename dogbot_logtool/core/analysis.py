@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core import timespans
+from dogbot_logtool.core.base.foot_path import contact_path, footfalls
 from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet, with_forward_axis
 from dogbot_logtool.core.base.motion import base_motion, base_track, fallen_spans, find_tipping
 from dogbot_logtool.core.base.poses import find_jumps, without_jumps
@@ -109,7 +110,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
     placed, worlds = placed_poses(records, candidates, period_s)
     height = height_over_feet(placed, records)
-    fallen = fallen_spans(recorded, records, height, jumps.spans)
+    fallen = fallen_spans(recorded, records, height)
     weighed = loads_of(records, settings, any_strides(records, fallen, timespans.no_spans()))
     dead = tuple(dead_feet(records, weighed))
     period_s = typical_period_s([each.stances for each in records])
@@ -126,9 +127,13 @@ def mask_walk(corrected: Corrected) -> Walk:
     if period_s and tells and not apart:
         delay = long_delay(records, base, period_s, walked)
     apart = apart | {settings.odometry_topic} if delay else apart
-    ground = find_moving_ground(records, base, placed_by_poses=placed_by_poses)
+    stood = [
+        footfalls(contact_path(record) if path is None else path.in_world(base), record.stances)
+        for record, path in zip(records, corrected.places, strict=True)
+    ]
+    ground = find_moving_ground(stood, base, placed_by_poses=placed_by_poses)
     on_ground = base if ground is None else ground.on_ground(base)
-    track = base_track(on_ground, height, records, standing.still)
+    track = base_track(on_ground, height, stood, standing.still)
     guessed = settings.forward_axis
     motion = base_motion(track, settings.forward_rad)
     in_one_world = stand_in is None and (worlds is None or worlds.agree)
@@ -140,14 +145,14 @@ def mask_walk(corrected: Corrected) -> Walk:
             settings,
             row,
             record,
+            stood[row],
             base,
             fallen,
             standing,
-            path=None if path is None else path.in_world(base),
             ground=ground,
             is_dead=dead[row],
         )
-        for row, (record, path) in enumerate(zip(records, corrected.places, strict=True))
+        for row, record in enumerate(records)
     )
     return Walk(
         corrected=corrected,

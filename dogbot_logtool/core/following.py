@@ -11,7 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, aggregate, median_of, nearest_rows
-from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.base.witness import motion_in
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.metrics import Planned
 from dogbot_logtool.core.rotations import along_heading
@@ -22,8 +22,6 @@ USUAL_WINDOW_S: Final = 0.5
 """s, what velocities are averaged over in a log without strides."""
 TIMEOUT_S: Final = 0.5
 """s; what ros2_controllers' diff_drive_controller waits for a command before it stops."""
-SPARSE_NS: Final = 1_000_000_000
-"""ns; poses further apart than this tell no speed."""
 _WORLD_FRAMES: Final = frozenset({"world", "odom", "map", "earth"})
 _CLEARLY: Final = 0.7
 """The better of two readings of the axes has at most this share of the other's error."""
@@ -48,19 +46,21 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
     """
     history, base = walk.corrected.commands, walk.track.history
     forward_rad = walk.settings.forward_rad
-    if history is None or len(base.time) < 2 or not len(history.time):
+    if history is None or len(base.time) < 2:
         return None
     window = round((walk.period_s or USUAL_WINDOW_S) * 1e9)
     timeout = round(max(TIMEOUT_S * 1e9, history.gap_ns if np.isfinite(history.gap_ns) else 0.0))
     until = np.append(history.time[1:], history.time[-1:] + timeout)
     held = np.stack([history.time, np.minimum(until, history.time + timeout)], axis=1)
     holds = timespans.merge(held)
-    displacement, known = _base_displacement(base, forward_rad, walk.jumps.spans)
+    known = timespans.subtract(base.known, timespans.merge(walk.jumps.spans))
     both = timespans.intersect([known, holds])
     time = timespans.ticks(both, round(1e9 / TRACKING_HZ))
     half = window // 2
     time = time[timespans.hold_window(both, time, half, half)]
-    measured = displacement.mean(time, window)
+    motion = motion_in(base, time[:, None] + np.array([-half, half]), forward_rad)
+    moved = motion.displacement.real, motion.displacement.imag, motion.turn
+    measured = np.stack(moved, axis=1) / (2e-9 * half)
     axes, velocity = _in_axes(history, held, time, window, measured, forward_rad)
     command = _command(held, velocity)
     longest = timespans.hold_window(holds, time, half + max(_DELAYS_NS), half)
@@ -85,20 +85,6 @@ def follow_commands(walk: Walk) -> CommandTrack | None:
         measured=measured,
         opposed=tuple(opposed),
     )
-
-
-def _base_displacement(base: BaseHistory, forward_rad: float, jumps: Ints) -> tuple[Integral, Ints]:
-    """Add up the steps from pose to pose along axes that turn with the robot (yaw only).
-
-    Returns:
-        The way as in `AXES`, and the time in which it is known, (k, 2) ns.
-    """
-    steps = base.steps(forward_rad)
-    total = np.concatenate([np.zeros((1, 3)), np.cumsum(steps.T, axis=0)])
-    sparse = np.flatnonzero(np.diff(base.time) > SPARSE_NS)
-    broken = np.stack([base.time[sparse], base.time[sparse + 1]], axis=1)
-    known = timespans.subtract(base.known, timespans.merge(np.concatenate([jumps, broken])))
-    return Integral(base.time, total), known
 
 
 def _command(held: Ints, velocity: Floats) -> Integral:

@@ -62,7 +62,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     frames = walk.frames.tracks(chained) | links
     paths = [foot_path(chain, frames) for chain in settings.chains]
     clocks = walk.corrected.joint_clocks
-    apart = too_far_apart(clocks, walk.period_s) & set(settings.joint_topics)
+    apart = too_far_apart(clocks, walk.period_s) & {table.topic for table in walk.recording.joints}
     unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
     unplaced |= bool(apart and settings.joints)
     legs = [
@@ -232,12 +232,11 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
         chain: of the foot.
         frames: by transforms and joints.
     """
-    if chain is None or not frames.keys() >= set(chain.frames):
+    own = [frames.get(frame) for frame in chain.frames] if chain else []
+    moving = [track for track in own if track and not track.static]
+    if chain is None or None in own or not moving:
         return None
-    moving = [frame for frame in chain.frames if not frames[frame].static]
-    if not moving:
-        return None
-    last = frames[moving[0]]
+    last = moving[0]
     rows = first_at_each_tick(last.time, TRANSFORM_RATE_HZ)
     time, log_time = last.time[rows], last.log_time[rows]
     poses = lookup(frames, chain.frames[0], chain.base, time, log_time)

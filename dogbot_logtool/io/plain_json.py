@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -49,22 +49,8 @@ def only_finite(value: Json) -> Json:
     """Return a copy with None for every number that is not finite."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    if value is None or isinstance(value, str | int):
-        return value
     if isinstance(value, Mapping):
         return {key: only_finite(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
         return [only_finite(each) for each in value]
     return value
-
-
-def not_finite(value: Json, path: str = "") -> Iterator[str]:
-    """Yield the dotted paths of the numbers that are not finite."""
-    if isinstance(value, float) and not math.isfinite(value):
-        yield path
-    elif isinstance(value, Mapping):
-        for key, each in value.items():
-            yield from not_finite(each, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, list | tuple):
-        for row, each in enumerate(value):
-            yield from not_finite(each, f"{path}[{row}]")

@@ -38,19 +38,8 @@ def printable_lines(text: str) -> str:
 
 
 def shell_quoted(word: str) -> str:
-    """Return a word as a shell takes it, printable whatever it holds.
-
-    Control characters stand in ``$'...'``, which bash, zsh and ksh understand.
-    """
-    if word.isprintable():
-        return shlex.quote(word)
-    return f"$'{''.join(map(_in_dollar_quotes, word))}'"
-
-
-def _in_dollar_quotes(char: str) -> str:
-    if char.isprintable():
-        return f"\\{char}" if char in {"\\", "'"} else char
-    return "".join(f"\\x{byte:02x}" for byte in char.encode("utf-8", "surrogateescape"))
+    """Return a word as a shell takes it; one with control characters is only shown."""
+    return printable(shlex.quote(word))
 
 
 def shell_joined(words: Iterable[str]) -> str:
@@ -99,10 +88,6 @@ class LastingFile(io.RawIOBase):
     def isatty(self) -> bool:
         """Tell whether it is a terminal."""
         return self._file.isatty()
-
-    def fileno(self) -> int:
-        """Return the file descriptor."""
-        return self._file.fileno()
 
 
 class PrintableStream(io.TextIOWrapper):
@@ -180,8 +165,5 @@ def _fill_gaps() -> None:
         try:
             os.fstat(number)
         except OSError:
-            nothing = os.open(os.devnull, os.O_RDONLY)
-            if nothing != number:
-                os.dup2(nothing, number)
-                os.close(nothing)
-            os.set_inheritable(number, True)  # noqa: FBT003 - takes no keyword
+            # It gets the lowest number that is free, which is this one.
+            os.set_inheritable(os.open(os.devnull, os.O_RDONLY), True)  # noqa: FBT003 - takes no keyword

@@ -1,4 +1,4 @@
-"""TOML tables whose errors name the key, and records whose fields stand in them."""
+"""TOML whose errors name the key, and records whose fields stand in it."""
 
 import json
 import re
@@ -54,13 +54,10 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         raise CallError(f"{source}, line {line}: a key has more than 16 parts")
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CallError(f"{source}: not valid TOML: {error}") from error
     except RecursionError as error:
         raise CallError(f"{source}: not valid TOML: its values are nested too deeply") from error
-    except ValueError as error:
-        # Python converts no more than 4,300 digits.
-        raise CallError(f"{source}: not valid TOML: a number has too many digits") from error
+    except ValueError as error:  # also of more digits than Python converts
+        raise CallError(f"{source}: not valid TOML: {error}") from error
 
 
 def shortened(value: object) -> str:
@@ -86,59 +83,15 @@ def toml_number(value: object, where: str, least: float = -_MOST) -> float:
     return float(value)
 
 
-class TomlTable:
-    """A table whose keys are taken out one by one, so that unknown keys remain and show."""
-
-    def __init__(self, values: Mapping[str, Any], source: str, keys: tuple[str, ...] = ()) -> None:
-        """Begin with all keys.
-
-        Args:
-            values: of the table.
-            source: what to call its file in errors.
-            keys: the tables that it stands in.
-        """
-        self._values = dict(values)
-        self._source = source
-        self._keys = keys
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Keys that have not been taken."""
-        return tuple(self._values)
-
-    def fault(self, text: str) -> CallError:
-        """Return an error: what is wrong, a sentence that follows the file's name."""
-        return CallError(f"{self._source}: {text}")
-
-    def path(self, key: str) -> str:
-        """Return a key with the tables that it stands in."""
-        return ".".join((*self._keys, key))
-
-    def section(self, key: str) -> "TomlTable":
-        """Take a table; an empty one where there is none."""
-        value = self._values.pop(key, {})
-        if not isinstance(value, dict):
-            raise self._wrong(key, value, "a table")
-        return TomlTable(value, self._source, (*self._keys, key))
-
-    def take(self, key: str, kind: "Kind") -> Any:  # noqa: ANN401 - any TOML value
-        """Take a value; None where there is none."""
-        value = self._values.pop(key, None)
-        if value is not None and not kind.is_right(value):
-            raise self._wrong(key, value, kind.wanted)
-        return None if value is None else kind.converted(value)
-
-    def refuse_leftovers(self, hint: str) -> None:
-        """Refuse keys that were not read.
-
-        Raises:
-            CallError: there is one; `hint` ends the sentence.
-        """
-        for key in self._values:
-            raise self.fault(f"the key {self.path(key)} is not known. {hint}")
-
-    def _wrong(self, key: str, value: object, wanted: str) -> CallError:
-        return self.fault(f"{self.path(key)} is {shortened(value)}; it must be {wanted}")
+def by_key(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return the values of a table and of those in it by their dotted keys: ``contact.on_n``."""
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        if isinstance(value, dict):
+            found |= by_key(value, f"{prefix}{key}.")
+        else:
+            found[prefix + key] = value
+    return found
 
 
 class Kind(NamedTuple):
@@ -200,33 +153,41 @@ def toml_field(
     return field(default=default, metadata={"kind": kind, "key": key})
 
 
-def take_fields(record: type[Any], table: TomlTable, hint: str) -> dict[str, Any]:
-    """Take the values of a data class's fields that a table has, by the fields' names.
+def take_fields(record: type[Any], values: dict[str, Any], where: str) -> dict[str, Any]:
+    """Take the values of a data class's fields, by the fields' names.
 
     Args:
         record: the data class.
-        table: keys that are none of the record's remain in it, but not those in its sections.
-        hint: see `TomlTable.refuse_leftovers`.
+        values: see `by_key`; those that are none of the record's remain.
+        where: what stands before a key in errors.
+
+    Raises:
+        CallError: a value is not what it must be.
     """
-    tables, found = {"": table}, {}
-    for name, kind, section, key in declared_fields(record):
-        if section not in tables:
-            tables[section] = table.section(section)
-        value = tables[section].take(key, kind)
-        if value is not None:
-            found[name] = value
-    for section, each in tables.items():
-        if section:
-            each.refuse_leftovers(hint)
-    return found
+    return {
+        name: checked(values.pop(key), kind, where + key)
+        for name, kind, key in declared_fields(record)
+        if key in values
+    }
+
+
+def checked(value: object, kind: "Kind", where: str) -> Any:  # noqa: ANN401 - that of a field
+    """Return a value as its field holds it.
+
+    Raises:
+        CallError: it is not what it must be; the sentence begins with `where`.
+    """
+    if not kind.is_right(value):
+        raise CallError(f"{where} is {shortened(value)}; it must be {kind.wanted}")
+    return kind.converted(value)
 
 
 def toml_values(record: Any) -> dict[str, str]:  # noqa: ANN401 - any data class
     """Return the values of a data class's fields as TOML, by key; none that are the default."""
     plain = {each.name: each.default for each in fields(record)}
     return {
-        f"{section}.{key}".lstrip("."): to_toml(value)
-        for name, _, section, key in declared_fields(type(record))
+        key: to_toml(value)
+        for name, _, key in declared_fields(type(record))
         if (value := getattr(record, name)) != plain[name]
     }
 
@@ -241,9 +202,8 @@ def to_toml(value: object) -> str:
     return repr(value)
 
 
-def declared_fields(record: type[Any]) -> Iterator[tuple[str, Kind, str, str]]:
-    """Yield the fields that stand in a table: name, kind, section and key."""
+def declared_fields(record: type[Any]) -> Iterator[tuple[str, Kind, str]]:
+    """Yield the fields that stand in a file: name, kind, and key with the tables that it is in."""
     for each in fields(record):
         if kind := each.metadata.get("kind"):
-            section, _, key = (each.metadata["key"] or each.name).rpartition(".")
-            yield each.name, kind, section, key
+            yield each.name, kind, each.metadata["key"] or each.name

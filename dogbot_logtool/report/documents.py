@@ -1,6 +1,7 @@
 """Results as plain data, JSON but for those of comparisons, with its schema; and JUnit XML."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import is_dataclass, replace
 from typing import Any, Final, NamedTuple
 
@@ -10,7 +11,7 @@ from dogbot_logtool.core.events import with_steps
 from dogbot_logtool.core.metrics import WalkMetrics
 from dogbot_logtool.core.records import Field, fields_of, to_json, values
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.io.plain_json import not_finite, only_finite
+from dogbot_logtool.io.plain_json import only_finite
 from dogbot_logtool.io.printable import listed, printable, printable_lines
 from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.loss import Damage
@@ -71,12 +72,19 @@ def stats_json(measured: Measurement, *, detail: bool = True) -> Json:
     document: Json = to_json(walk, detail=detail)
     finite: Json = only_finite(document)
     # Comparing is far quicker than looking for paths, of which there are nearly never any.
-    if finite != document and (overflowed := list(not_finite(document))):
+    if finite != document and (overflowed := list(_not_finite(walk))):
         text = f"metrics that are too large for a number are null: {listed(overflowed)}"
         finding = Finding("NOT_FINITE", text, cases=("result",))
         finite["findings"].append(finding_json(finding))
         finite["null_because"] |= dict.fromkeys(overflowed, finding.code)
     return finite
+
+
+def _not_finite(walk: WalkMetrics) -> Iterator[str]:
+    """Yield the paths of metrics that are no finite numbers."""
+    for path, value, _ in values(walk):
+        if isinstance(value, float) and not math.isfinite(value):
+            yield ".".join(path)
 
 
 def _without_detail(walk: WalkMetrics) -> WalkMetrics:

@@ -15,7 +15,8 @@ from dogbot_logtool.io.toml_table import (
     TEXT,
     VECTOR,
     Kind,
-    TomlTable,
+    by_key,
+    checked,
     declared_fields,
     one_of,
     parse_toml,
@@ -30,8 +31,6 @@ from dogbot_logtool.reader.foot import Foot, FootField
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""
 GENERIC: Final = "generic"
-MOST_FEET: Final = 64
-"""A robot's file or a log that has more is a mistake, and takes the square of the time."""
 _KNOWN: Final = Path(__file__).with_name("known")
 """Directory of the robots that come with the program."""
 _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
@@ -149,31 +148,39 @@ def parse_robot(text: str, source: str) -> Robot:
     Raises:
         CallError: naming the key.
     """
-    table = TomlTable(parse_toml(text, source), source)
-    values = take_fields(Robot, table, _ALL_KEYS)
-    feet = table.section("feet")
-    if len(feet.names) > MOST_FEET:
-        raise feet.fault(f"there are {len(feet.names)} feet; there may be {MOST_FEET}")
-    found = tuple(_foot(feet.section(name), name) for name in feet.names)
-    table.refuse_leftovers(_ALL_KEYS)
+    document = parse_toml(text, source)
+    feet = document.pop("feet", {})
+    if not isinstance(feet, dict) or not all(isinstance(foot, dict) for foot in feet.values()):
+        raise CallError(f"{source}: feet must be tables: [feet.NAME]")
+    given = by_key(document)
+    values = take_fields(Robot, given, f"{source}: ")
+    _refuse_unknown(given, source)
+    found = tuple(_foot(by_key(foot), name, source) for name, foot in feet.items())
     values["name"] = values.get("name") or Path(source).stem
     robot = Robot(**values, feet=found)
     on, off = robot.contact_on_n, robot.contact_off_n
     if on is not None and off is not None and off > on:
-        raise table.fault("contact.off_n is above contact.on_n; it must not be")
+        raise CallError(f"{source}: contact.off_n is above contact.on_n; it must not be")
     return robot
 
 
-def _foot(table: TomlTable, name: str) -> Foot:
-    values = take_fields(Foot, table, _ALL_KEYS)
+def _foot(given: dict[str, Any], name: str, source: str) -> Foot:
+    prefix = f"feet.{name}."
+    where = f"{source}: {prefix}"
+    values = take_fields(Foot, given, where)
     if not values.get("topic"):
-        raise table.fault(f"{table.path('topic')} is missing")
-    of_field = take_fields(FootField, table, _ALL_KEYS)
+        raise CallError(f"{where}topic is missing")
+    of_field = take_fields(FootField, given, where)
     field = FootField(**of_field) if of_field.get("path") else None
     for key in of_field.keys() - {"path"} if field is None else ():
-        raise table.fault(f"{table.path(key)} needs {table.path('field')}")
-    table.refuse_leftovers(_ALL_KEYS)
+        raise CallError(f"{where}{key} needs {prefix}field")
+    _refuse_unknown(given, source, prefix)
     return Foot(name, **values, field=field)
+
+
+def _refuse_unknown(keys: Mapping[str, Any], source: str, prefix: str = "") -> None:
+    for key in keys:
+        raise CallError(f"{source}: the key {prefix}{key} is not known. {_ALL_KEYS}")
 
 
 # --- settings for one call -----------------------------------------------------------------------
@@ -235,9 +242,9 @@ def _parsed(path: str, text: str) -> tuple[str, str, Any]:
     foot, _, field = (rest, "", "offset_n") if first == "tare" and rest else rest.partition(".")
     of_foot = first in {"tare", "feet"} and bool(rest)
     foot, field = (foot, field) if of_foot else ("", path)
-    for name, kind, section, key in declared_fields(Foot if of_foot else Robot):
-        if field in {name, f"{section}.{key}".lstrip(".")} and name not in _NOT_SET:
-            return foot, name, _value(kind, key, path, text)
+    for name, kind, key in declared_fields(Foot if of_foot else Robot):
+        if field in {name, key} and name not in _NOT_SET:
+            return foot, name, _value(kind, path, text)
     known = [each[0] for each in declared_fields(Robot) if each[0] not in _NOT_SET]
     known += ["tare.FOOT", *(f"feet.{foot or 'FOOT'}.{each[0]}" for each in declared_fields(Foot))]
     from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
@@ -247,7 +254,7 @@ def _parsed(path: str, text: str) -> tuple[str, str, Any]:
     raise CallError(f"--set {path}: the robot's file has no such field; {hint}")
 
 
-def _value(kind: Kind, key: str, path: str, text: str) -> Any:  # noqa: ANN401 - as in the file
+def _value(kind: Kind, path: str, text: str) -> Any:  # noqa: ANN401 - as in the file
     """Return the value that a text is: TOML, or a vector, a word or words without their marks.
 
     Raises:
@@ -256,11 +263,11 @@ def _value(kind: Kind, key: str, path: str, text: str) -> Any:  # noqa: ANN401 -
     wrong = ""
     for toml in (text, f"[{text}]", to_toml(text), to_toml(tuple(text.split(",")))):
         try:
-            table = TomlTable(parse_toml(f"{key} = {toml}", "--set"), "--set")
+            value = parse_toml(f"value = {toml}", "--set")["value"]
         except CallError:
             continue
         try:
-            return table.take(key, kind)
+            return checked(value, kind, "")
         except CallError as error:
             wrong = wrong or str(error).rpartition("; ")[2]
     raise CallError(f"--set {path}={text}: {wrong}")

@@ -4,34 +4,16 @@ from abc import abstractmethod
 from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
-from typing import Any, Final, Generic
+from typing import Any, Final
 
 from dogbot_logtool.run.runner import Failure, Progress, Result, Runner, Work
 
-AHEAD: Final = 2000
-"""Items that are begun beyond the first one whose outcome is waited for: they bound the memory."""
 LOOK_EVERY_S: Final = 0.25
 
 
 class RunLost(Exception):  # noqa: N818 - the outcome of all items that are left
     """No worker is left; the message is the outcome of every item that was not done."""
-
-
-@dataclass(slots=True)
-class _Items(Generic[Result]):
-    """The state of the items of a run."""
-
-    begun: int = 0
-    wanted: int = 0
-    """The first item whose outcome was not yielded."""
-    under_way: dict[Future[Any], int] = field(default_factory=dict)
-    done: "SimpleQueue[Future[Any]]" = field(default_factory=SimpleQueue)
-    lost: deque[int] = field(default_factory=deque)
-    """Items whose worker was lost, and that are to be tried once more."""
-    retried: set[int] = field(default_factory=set)
-    finished: dict[int, Result | Failure] = field(default_factory=dict)
 
 
 class ExecutorRunner(Runner[Result]):
@@ -73,51 +55,68 @@ class ExecutorRunner(Runner[Result]):
         self, work: Work[Result], items: Sequence[Any], progress: Progress
     ) -> Iterator[Result | Failure]:
         """See `Runner.run`."""
-        state: _Items[Result] = _Items()
-        while state.wanted < len(items):
-            try:
-                for number in self._next(state, len(items), progress):
-                    future = self.submit(work, items[number])
-                    state.under_way[future] = number
-                    future.add_done_callback(state.done.put)
-                self._collect(state, progress)
-            except RunLost as error:
-                for number in set(range(state.wanted, len(items))) - state.finished.keys():
-                    state.finished[number] = Failure(str(error), 1)
-                    progress.finished(number)
-            while state.wanted in state.finished:
-                state.wanted += 1
-                yield state.finished.pop(state.wanted - 1)
+        wanted = 0
+        finished: dict[int, Result | Failure] = {}
+        for number, outcome in self._outcomes(work, items, progress):
+            finished[number] = outcome
+            progress.finished(number)
+            while wanted in finished:
+                yield finished.pop(wanted)
+                wanted += 1
 
-    def _next(self, state: _Items[Result], count: int, progress: Progress) -> Sequence[int]:
-        """Return the items to begin now: several, or one that is tried alone."""
-        if state.lost or state.retried.intersection(state.under_way.values()):
-            if state.under_way:
-                return ()
-            number = state.lost.popleft()
-            state.retried.add(number)
-            progress.lost(number)
-            return (number,)
-        first = state.begun
-        room = first + self.capacity - len(state.under_way)
-        state.begun = max(first, min(count, state.wanted + AHEAD, room))
-        return range(first, state.begun)
+    def _outcomes(
+        self, work: Work[Result], items: Sequence[Any], progress: Progress
+    ) -> Iterator[tuple[int, Result | Failure]]:
+        """Yield the number and the outcome of each item, in any order."""
+        waiting = deque(range(len(items)))
+        while waiting:
+            lost: deque[int] = deque()
+            yield from self._round(work, items, waiting, self.capacity, lost)
+            for number in lost:
+                progress.lost(number)
+            yield from self._round(work, items, lost, 1, None)
 
-    def _collect(self, state: _Items[Result], progress: Progress) -> None:
-        """Take the outcome of an item that is done, after waiting a while for one."""
+    def _round(
+        self,
+        work: Work[Result],
+        items: Sequence[Any],
+        waiting: deque[int],
+        capacity: int,
+        lost: deque[int] | None,
+    ) -> Iterator[tuple[int, Result | Failure]]:
+        """Work on items that wait until one of them is lost.
+
+        Args:
+            work: what is done to each.
+            items: all.
+            waiting: which; those that are begun are taken away.
+            capacity: how many may be under way at once.
+            lost: receives those whose worker was lost; None: they are not tried again.
+        """
+        under_way: dict[Future[Any], int] = {}
+        done: SimpleQueue[Future[Any]] = SimpleQueue()
         try:
-            future = state.done.get(timeout=LOOK_EVERY_S)
-        except Empty:
-            self.look()
-            return
-        number = state.under_way.pop(future)
-        try:
-            outcome = future.result()
-        except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
-            why = self.explain(error, again=number in state.retried)
-            if why is None:
-                state.lost.append(number)
-                return
-            outcome = Failure(why, 1)
-        state.finished[number] = outcome
-        progress.finished(number)
+            while under_way or (waiting and not lost):
+                while waiting and not lost and len(under_way) < capacity:
+                    future = self.submit(work, items[waiting[0]])
+                    under_way[future] = waiting.popleft()
+                    future.add_done_callback(done.put)
+                try:
+                    future = done.get(timeout=LOOK_EVERY_S)
+                except Empty:
+                    self.look()
+                    continue
+                number = under_way.pop(future)
+                try:
+                    outcome = future.result()
+                except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
+                    why = self.explain(error, again=lost is None)
+                    if why is None and lost is not None:
+                        lost.append(number)
+                        continue
+                    outcome = Failure(str(why), 1)
+                yield number, outcome
+        except RunLost as error:
+            for number in (*under_way.values(), *waiting):
+                yield number, Failure(str(error), 1)
+            waiting.clear()

@@ -14,9 +14,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from contextlib import contextmanager
 from typing import Final
 
 from dogbot_logtool.errors import LogtoolError
@@ -51,10 +49,9 @@ class ProcessRunner(ExecutorRunner[Result]):
         """
         self.jobs = jobs
         self.capacity = workers
-        # Apple's libraries do not survive a fork, and daemonic processes may have no children.
-        forks = sys.platform == "linux" and hasattr(os, "fork")
-        forks = forks and not multiprocessing.current_process().daemon
-        forks = forks and threading.active_count() == 1
+        # Apple's libraries do not survive a fork.
+        is_alone = threading.active_count() == 1
+        forks = sys.platform == "linux" and hasattr(os, "fork") and is_alone
         if forks and load is not None:
             importlib.import_module(load)
         self._pool = self._opened("fork" if forks else "spawn")
@@ -65,17 +62,25 @@ class ProcessRunner(ExecutorRunner[Result]):
 
     def submit(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
         """See `ExecutorRunner.submit`."""
-        # A signal that reaches all processes must not end what is started here.
-        with held_back(), _started(self.capacity):
-            try:
-                return self._pool.submit(_attempt, work, item)
-            except (BrokenExecutor, ValueError):
-                # A pool that breaks just now closes the pipes of the process that it starts, or
-                # waits for it without having ended it.
-                kill_processes(self._pool)
-                self._pool.shutdown()
-                self._pool = self._opened("spawn")
-                return self._pool.submit(_attempt, work, item)
+        try:
+            # A signal that reaches all processes must not end what is started here.
+            with held_back():
+                return self._submitted(work, item)
+        except (MemoryError, OSError, RuntimeError) as error:
+            why = getattr(error, "strerror", None) or str(error) or "not enough memory"
+            what = f"{self.capacity} processes cannot be started: {why}; try fewer --jobs"
+            raise LogtoolError(what) from error
+
+    def _submitted(self, work: Work[Result], item: object) -> "Future[Result | Failure]":
+        try:
+            return self._pool.submit(_attempt, work, item)
+        except (BrokenExecutor, ValueError):
+            # A pool that breaks just now closes the pipes of the process that it starts, or
+            # waits for it without having ended it.
+            kill_processes(self._pool)
+            self._pool.shutdown()
+            self._pool = self._opened("spawn")
+            return self._pool.submit(_attempt, work, item)
 
     def look(self) -> None:
         """See `ExecutorRunner.look`."""
@@ -100,22 +105,6 @@ class ProcessRunner(ExecutorRunner[Result]):
                 process.join(max(end - time.monotonic(), 0.0))
             kill_processes(self._pool)
             self._pool.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def _started(workers: int) -> Iterator[None]:
-    """Explain why the processes that a block starts cannot be started.
-
-    Raises:
-        LogtoolError: there are not as many processes, threads or files to be had, or no memory.
-    """
-    try:
-        yield
-    except (OSError, RuntimeError, MemoryError) as error:
-        why = getattr(error, "strerror", None) or str(error) or "not enough memory"
-        raise LogtoolError(
-            f"{workers} processes cannot be started: {why}; try fewer --jobs"
-        ) from error
 
 
 def _begin() -> None:

@@ -85,29 +85,26 @@ class SerialRunner(Runner[Result]):
     ) -> Iterator[Result | Failure]:
         """See `Runner.run`."""
         for number, item in enumerate(items):
-            on_progress = _throttled(progress, number)
-            outcome: Result | Failure
-            try:
-                # A bug met with a single log is better seen with its traceback.
-                if len(items) == 1:
-                    outcome = work(item, progress=on_progress)
-                else:
-                    outcome = attempt(work, item, on_progress)
-            except LogtoolError as error:
-                outcome = Failure(str(error), error.exit_code)
+            # A bug met with a single log is better seen with its traceback.
+            is_alone = len(items) == 1
+            outcome = attempt(work, item, _throttled(progress, number), raises=is_alone)
             progress.finished(number)
             yield outcome
 
 
-def attempt(work: Work[Result], item: object, on_progress: OnProgress | None) -> Result | Failure:
-    """Work on an item; every error becomes an outcome."""
+def attempt(
+    work: Work[Result], item: object, on_progress: OnProgress | None, *, raises: bool = False
+) -> Result | Failure:
+    """Work on an item; every error becomes an outcome, or but those that users know is raised."""
     try:
         return work(item, progress=on_progress)
     except LogtoolError as error:
         return Failure(str(error), error.exit_code)
-    except MemoryError:
-        return Failure("there was not enough memory for it", 1)
-    except Exception as error:  # noqa: BLE001 - one bad log never stops the rest
+    except Exception as error:
+        if raises:
+            raise
+        if isinstance(error, MemoryError):
+            return Failure("there was not enough memory for it", 1)
         what = f"{type(error).__name__}: {error}"
         return Failure(f"failed by a fault of dogbot-logtool, please report it ({what})", 1)
 

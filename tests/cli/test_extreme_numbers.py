@@ -20,6 +20,8 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.report.documents import stats_json
+from tests.measured import measured
+from tests.paths import TROT
 from tests.truth.log_file import write_log
 from tests.truth.recording import START_NS, BaseRecording, FootRecording, Recording
 from tests.truth.walking import Walk
@@ -109,6 +111,15 @@ def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str) -> None:
         strict(json.dumps(stats_json(done)))
     convert(path, tmp_path / "out.mcap", ConvertOptions())
     describe(path, InfoOptions(frames=True))
+
+
+def test_a_metric_that_is_too_large_is_null_and_named() -> None:
+    done = measured(TROT)
+    base = replace(done.metrics.base, path_length_m=math.inf)
+    walk = replace(done.walk, metrics=replace(done.metrics, base=base))
+    found = stats_json(replace(done, walk=walk))
+    assert found["base"]["path_length_m"] is None
+    assert found["null_because"]["base.path_length_m"] == "NOT_FINITE"
 
 
 def test_json_has_null_for_what_is_not_finite() -> None:

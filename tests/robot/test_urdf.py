@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from dogbot_logtool.robot.robot_model.legs_of_urdf import find_legs
-from dogbot_logtool.robot.robot_model.urdf import read_robot
+from dogbot_logtool.robot.robot_model.urdf import legs_of_robot, read_robot
 
 Joint = tuple[str, str, str, str, str]
 """Type, parent, child, place and axis."""
@@ -49,7 +48,7 @@ NAMES = ["front_left", "front_right", "back_left", "back_right"]
 
 def test_legs_are_told_from_arms_and_sensors() -> None:
     robot = read_robot(urdf([*quadruped("trunk"), *ARM], ["trunk", "FL_calf", "FL_foot"]))
-    legs, axis = find_legs(robot, {})
+    legs, axis = legs_of_robot(robot, {})
     assert [leg.name for leg in legs] == NAMES
     assert [leg.foot for leg in legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
     assert (robot.base, robot.mass_kg, axis) == ("trunk", 6.0, "+x")
@@ -64,7 +63,7 @@ def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> Non
     joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
     robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
     assert robot.base == "trunk"
-    assert len(find_legs(robot, {})[0]) == 4
+    assert len(legs_of_robot(robot, {})[0]) == 4
 
 
 def test_a_root_that_is_the_base_stays() -> None:
@@ -73,8 +72,8 @@ def test_a_root_that_is_the_base_stays() -> None:
 
 
 def test_names_tell_where_forward_is_and_places_where_names_do_not() -> None:
-    assert find_legs(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})[1] == "-x"
-    legs, axis = find_legs(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
+    assert legs_of_robot(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})[1] == "-x"
+    legs, axis = legs_of_robot(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
     assert ([leg.name for leg in legs], axis) == (NAMES, "+x")
 
 
@@ -86,7 +85,7 @@ def test_wheels_are_no_legs(name: str) -> None:
     ]
     robot = read_robot(urdf([*quadruped("trunk"), *wheels]))
     with pytest.raises(ValueError, match=f"wheels, {name.format('FL')}, "):
-        find_legs(robot, {})
+        legs_of_robot(robot, {})
 
 
 def test_a_biped_with_a_waist_and_toes() -> None:
@@ -96,7 +95,7 @@ def test_a_biped_with_a_waist_and_toes() -> None:
         joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
         # A spring that hangs beside it on the same leg.
         joints.append(("revolute", f"{side}_calf", f"{side}_rod", "0.05 0 -0.15", "0 1 0"))
-    legs, _ = find_legs(read_robot(urdf(joints, ["torso"])), {})
+    legs, _ = legs_of_robot(read_robot(urdf(joints, ["torso"])), {})
     assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
 
 
@@ -127,7 +126,7 @@ def without_feet(shape: str) -> str:
 def test_a_foot_without_a_link_is_where_the_last_link_ends(
     shape: str, point: tuple[float, float, float], radius: float
 ) -> None:
-    (first, *_), _ = find_legs(read_robot(without_feet(shape)), {})
+    (first, *_), _ = legs_of_robot(read_robot(without_feet(shape)), {})
     assert (first.foot, first.radius_m) == ("FL_calf", radius)
     assert first.point == pytest.approx(point)
 
@@ -135,7 +134,7 @@ def test_a_foot_without_a_link_is_where_the_last_link_ends(
 def test_feet_that_nothing_places_are_named() -> None:
     robot = read_robot(without_feet(""))
     with pytest.raises(ValueError, match="where the feet of FL_calf, FR_calf"):
-        find_legs(robot, {})
+        legs_of_robot(robot, {})
 
 
 def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
@@ -145,13 +144,13 @@ def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
     ]
     robot = read_robot(urdf(lying))
     with pytest.raises(ValueError, match="z axis is not up"):
-        find_legs(robot, {})
+        legs_of_robot(robot, {})
     # A root above it whose z axis is up is the base.
     turn = '<origin rpy="1.5707963 0 0"/>'
     root = f'<joint name="r" type="fixed"><parent link="r"/><child link="trunk"/>{turn}</joint>'
     robot = read_robot(urdf(lying, ["trunk"]).replace("</robot>", f"{root}</robot>"))
     assert robot.base == "r"
-    assert len(find_legs(robot, {})[0]) == 4
+    assert len(legs_of_robot(robot, {})[0]) == 4
 
 
 URDF = """<robot name="r">

@@ -22,7 +22,6 @@ from tests.run.work import Progress, work
 TROT = ROOT / "sample_logs" / "dogbot_trot.bag"
 LACKS_PACKAGE = "sys.modules['dogbot_logtool'] = None"
 OLD_PACKAGE = "import dogbot_logtool; dogbot_logtool.__version__ = '0.0.1'"
-OLD_DASK = "import distributed.versions as v; v.get_package_info = lambda _: {'distributed': '1.0'}"
 IMPATIENT = """
 from dogbot_logtool.run import cluster
 from dogbot_logtool.__main__ import main
@@ -63,15 +62,9 @@ def test_an_address_without_scheduler() -> None:
 
 
 @pytest.mark.slow
-def test_a_scheduler_of_another_version(tmp_path: Path) -> None:
-    with scheduler(tmp_path, OLD_DASK) as address:
-        assert "it has dask.distributed 1.0, and here is" in refused(address)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("first", "what"),
-    [(LACKS_PACKAGE, "install dogbot-logtool there"), (OLD_PACKAGE, "the worker has")],
+    [(LACKS_PACKAGE, "No module named"), (OLD_PACKAGE, "the worker has")],
 )
 def test_a_worker_that_cannot_do_it(address: str, tmp_path: Path, first: str, what: str) -> None:
     """Items that it gets fail at once, and are not waited for."""

@@ -15,7 +15,7 @@ from upath import UPath
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.tasks import figures
-from dogbot_logtool.errors import CallError, StoreError
+from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
@@ -190,5 +190,5 @@ def test_an_object_is_not_overwritten_unasked(lab: Lab) -> None:
     write(target, b"new", overwrite=True)
     assert target.read_bytes() == b"new"
     assert lab.unfinished_uploads() == []
-    with pytest.raises(StoreError, match="cannot be written"):
+    with pytest.raises(LogtoolError, match="cannot be written"):
         write(place_in(lab, "x", "absent"), b"new", overwrite=True)

@@ -23,11 +23,12 @@ def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any],
 
 
 def test_in_this_process_an_error_is_an_outcome(tmp_path: Path) -> None:
-    found, progress = outcomes(runner_for("info", 4, 1, None), tmp_path, "a", "wrong", "fault", "b")
+    items = ("a", "wrong", "fault", "b", "greedy")
+    found, progress = outcomes(runner_for("info", 5, 1, None), tmp_path, *items)
     assert found[:2] == ["A", Failure("no such file", 2)]
     assert found[2].sentence.startswith("failed by a fault of dogbot-logtool")
-    assert found[3] == "B"
-    assert progress.done == [0, 1, 2, 3]
+    assert found[3:] == ["B", Failure("there was not enough memory for it", 1)]
+    assert progress.done == [0, 1, 2, 3, 4]
 
 
 def test_a_process_that_dies_costs_its_own_item_only(tmp_path: Path) -> None:

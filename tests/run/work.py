@@ -36,6 +36,8 @@ def work(item: tuple[str, Path], progress: OnProgress | None) -> Any:
             raise CallError("no such file")
         case "fault":
             raise KeyError(what)
+        case "greedy":
+            raise MemoryError
         case "deadly":
             os.kill(os.getpid(), signal.SIGKILL)
         case "deadly once" if not (folder / "died").exists():

@@ -4,8 +4,16 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Float32s, Floats, Ints, all_finite, interpolated
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Float32s,
+    Floats,
+    Ints,
+    all_finite,
+    interpolated,
+)
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.rotations import conjugate, from_roll_pitch_yaw, rotate
@@ -86,6 +94,11 @@ def path_in_base(time: Ints, position: Floats | Float32s, base: BaseHistory) -> 
     return path_of(time, rotate(turn, position.astype(np.float64) - base.position_at(time)))
 
 
+def contact_path(foot: FootHistory) -> FootPath:
+    """Return the path of a foot in the world by its contact points."""
+    return known_path(*foot.track.contact_points)
+
+
 def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
     """Return the path of the times whose positions are known."""
     known = all_finite(position)
@@ -94,6 +107,8 @@ def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
 
 MIDDLE: Final = (0.2, 0.8)
 """Shares of a stance between which the foot is loaded and should be at rest."""
+
+
 _SEEN: Final = (Cut.WHOLE, Cut.LOG_START, Cut.LOG_END, Cut.STANDING)
 """Stances between whose ends the foot is known to stand."""
 
@@ -101,13 +116,17 @@ _SEEN: Final = (Cut.WHOLE, Cut.LOG_START, Cut.LOG_END, Cut.STANDING)
 class Footfalls(NamedTuple):
     """Position of a foot in each of its stances."""
 
+    time: Ints
+    """(stances,) ns, the middle of the stance."""
     position: Floats
-    """(stances, 3) m, in the middle of the stance; NaN where not known. Also `first` and `last`, at
-    20 % and 80 % of it."""
+    """(stances, 3) m, at that time; NaN where not known. Also `first` and `last`, at 20 % and 80 %
+    of the stance."""
     first: Floats
     last: Floats
     travel_m: Floats
     """(stances,) m, distance between these two."""
+    velocity: Floats
+    """(stances, 2) m/s, horizontally, from the one to the other."""
     slip_m: Floats
     """(stances,) m, the same on the ground only; also `largest_slip_m`, the furthest that it is
     in between from where it is at 20 %."""
@@ -125,9 +144,11 @@ def footfalls(path: FootPath, stances: Stances) -> Footfalls:
     displacement = position - position[:, :1]
     flat = np.hypot(displacement[:, :, 0], displacement[:, :, 1])
     return Footfalls(
+        time=stances.middle,
         position=position[:, len(steps) // 2],
         first=position[:, 0],
         last=position[:, -1],
+        velocity=displacement[:, -1, :2] / ((time[:, -1] - time[:, 0]) / 1e9)[:, None],
         travel_m=np.sqrt((displacement[:, -1] ** 2).sum(axis=1)),
         slip_m=flat[:, -1],
         largest_slip_m=flat.max(axis=1, initial=0.0),

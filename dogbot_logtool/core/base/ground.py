@@ -8,6 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, all_finite, interpolated, median_of
+from dogbot_logtool.core.base.foot_path import Footfalls, contact_path, footfalls
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.leg_position import LegPosition
@@ -43,14 +44,12 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     height, spread = median_of(known[:, 2]), median_of(known[:, 3])
     if height < max(LOWEST_M, LOWEST * spread) or aside > FURTHEST * (height + spread):
         return np.full(len(base.time), np.nan)
-    normal = _ground_normal(feet, timespans.ALWAYS)
+    stood = [footfalls(contact_path(foot), foot.stances) for foot in feet]
+    normal = _ground_normal(stood, timespans.ALWAYS)
     if normal is None:
         return np.asarray(offset[:, 2])
     # The feet's centre lies higher or lower than the ground below the base.
-    over_ground = offset[:, :3] @ (normal / normal[2])
-    if median_of(over_ground[~np.isnan(over_ground)]) < LOWEST_M:
-        return np.full(len(base.time), np.nan)
-    return np.asarray(over_ground)
+    return np.asarray(offset[:, :3] @ (normal / normal[2]))
 
 
 def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
@@ -71,25 +70,27 @@ def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     return np.column_stack([base.position - centre, spread])
 
 
-def slope_rad(feet: Sequence[FootHistory], within: Ints) -> float | None:
-    """Return the angle of the plane through the feet's contact points against the horizontal.
+def slope_rad(stood: Sequence[Footfalls], within: Ints) -> float | None:
+    """Return the angle of the plane through the feet's footfalls against the horizontal.
 
     Args:
-        feet: histories of all feet.
+        stood: where all feet stand.
         within: (w, 2) ns, a part of the log.
 
     Returns:
         rad; None without points that span a plane, and where they do not lie in one.
     """
-    normal = _ground_normal(feet, within)
+    normal = _ground_normal(stood, within)
     return None if normal is None else float(np.arccos(min(1.0, normal[2])))
 
 
-def _ground_normal(feet: Sequence[FootHistory], within: Ints) -> Floats | None:
-    """(3,) unit normal, upwards, of the plane through the feet's contact points."""
-    points = [_standing_points(foot, within) for foot in feet]
-    points = [each for each in points if len(each)]
-    if sum(len(each) for each in points) < FEWEST_POINTS:
+def _ground_normal(stood: Sequence[Footfalls], within: Ints) -> Floats | None:
+    """(3,) unit normal, upwards, of the plane through the feet's footfalls."""
+    points = [
+        each.position[timespans.covers(within, each.time) & all_finite(each.position)]
+        for each in stood
+    ]
+    if sum(map(len, points)) < FEWEST_POINTS:
         return None
     all_points = np.concatenate(points)
     about = all_points - all_points.mean(axis=0)
@@ -100,18 +101,6 @@ def _ground_normal(feet: Sequence[FootHistory], within: Ints) -> Floats | None:
         return None
     normal: Floats = axes[2] * np.copysign(1.0, axes[2, 2])
     return normal if normal[2] > STEEPEST else None
-
-
-def _standing_points(foot: FootHistory, within: Ints | None) -> Floats:
-    """(n, 3) m, one contact point of each stance: the one nearest to its middle."""
-    time, point = foot.track.contact_points
-    row = np.searchsorted(time, foot.stances.middle)
-    inside = row < len(time)
-    row, end = row[inside], foot.stances.liftoff[inside]
-    hit = time[row] < end
-    if within is not None:
-        hit &= timespans.covers(within, time[row])
-    return np.asarray(point[row[hit]])
 
 
 def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:
@@ -156,23 +145,24 @@ class MovingGround(NamedTuple):
 
 
 def find_moving_ground(
-    feet: Sequence[FootHistory], base: BaseHistory, *, placed_by_poses: bool
+    stood: Sequence[Footfalls], base: BaseHistory, *, placed_by_poses: bool
 ) -> MovingGround | None:
     """Find how the ground moves; None: it rests, or the base does not.
 
     Args:
-        feet: histories of all feet.
+        stood: where all feet stand.
         base: poses without jumps.
         placed_by_poses: whether the feet's places in the world rest on these poses: then poses that
             are frozen would look the same.
     """
-    if not feet or len(base.time) < 2:
+    if not stood or len(base.time) < 2:
         return None
     if placed_by_poses and not np.ptp(base.position, axis=0).any():
         return None
-    slopes = [_velocities(foot) for foot in feet]
-    time = np.concatenate([each for each, _ in slopes])
-    velocity = np.concatenate([each for _, each in slopes])
+    time = np.concatenate([each.time for each in stood])
+    velocity = np.concatenate([each.velocity for each in stood])
+    known = all_finite(velocity)
+    time, velocity = time[known], velocity[known]
     if len(time) < FEWEST_STANCES:
         return None
     usual = median_of(velocity, axis=0)
@@ -191,19 +181,6 @@ def find_moving_ground(
     steps = np.maximum(np.diff(time), 0)[:, None] / 1e9
     displacement = np.cumsum((velocity[1:] + velocity[:-1]) / 2.0 * steps, axis=0)
     return MovingGround(time, np.concatenate([np.zeros((1, 2)), displacement]), speed)
-
-
-def _velocities(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return the middle of stances, ns, and the velocity of the contact point in, (k, 2) m/s."""
-    time, point = foot.track.contact_points
-    whole = foot.stances.whole
-    begin, end = foot.stances.touchdown[whole], foot.stances.liftoff[whole]
-    first, last = np.searchsorted(time, begin), np.searchsorted(time, end) - 1
-    spans_samples = last > first + 1
-    first, last = first[spans_samples], last[spans_samples]
-    seconds = (time[last] - time[first])[:, None] / 1e9
-    middle = (begin + (end - begin) // 2)[spans_samples]
-    return middle, (point[last, :2] - point[first, :2]).astype(np.float64) / seconds
 
 
 STRAIGHT: Final = 0.9

@@ -147,7 +147,7 @@ def dead_reckoned(
 
     Args:
         legs: velocities.
-        roll_pitch: (n, 2) rad, of an inertial unit; None: taken as level.
+        roll_pitch: (n, 2) rad, of an inertial unit; None: velocities are along level axes.
         acceleration: (n, 3) m/s^2, of the base along its axes, without gravity's: how its velocity
             changes while no foot stands; None: evenly.
 

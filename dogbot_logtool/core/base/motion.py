@@ -16,6 +16,7 @@ from dogbot_logtool.core.arrays import (
     median_of,
     percentiles_of,
 )
+from dogbot_logtool.core.base.foot_path import Footfalls
 from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
@@ -45,7 +46,8 @@ class BaseTrack(NamedTuple):
     """Poses without jumps."""
     height_m: Floats
     """(n,) over the feet, at each pose; NaN where not known."""
-    feet: Sequence[FootHistory]
+    stood: Sequence[Footfalls]
+    """Where the feet stand."""
     standing: Ints
     """(s, 2) ns, time in which the robot stands."""
     travels: Ints
@@ -73,7 +75,7 @@ class BaseTrack(NamedTuple):
 
 
 def base_track(
-    base: BaseHistory, height_m: Floats, feet: Sequence[FootHistory], standing: Ints
+    base: BaseHistory, height_m: Floats, stood: Sequence[Footfalls], standing: Ints
 ) -> BaseTrack:
     """Find when the base goes somewhere, and how many poses make a point of its path.
 
@@ -89,7 +91,7 @@ def base_track(
         size = (2.0 * noise_m**2 / (_NEGLIGIBLE * step_m**2)) ** (1.0 / 3.0)
         block = int(np.clip(np.ceil(size), 1, max(1.0, _LONGEST_BLOCK_NS / interval_ns)))
     travels = timespans.intersect([timespans.merge(away), base.known])
-    return BaseTrack(base, height_m, feet, standing, travels, block)
+    return BaseTrack(base, height_m, stood, standing, travels, block)
 
 
 def _away_spans(base: BaseHistory) -> Ints:
@@ -148,7 +150,7 @@ def base_motion(
         yaw_rate_radps=yaw_rate,
         height_m=height,
         climb_m=float(net[2]),
-        slope_rad=slope_rad(track.feet, within),
+        slope_rad=slope_rad(track.stood, within),
         roll_rad=aggregate(roll),
         pitch_rad=aggregate(pitch),
         froude=froude_number(forward_speed, height.mean if height else None),
@@ -225,9 +227,7 @@ LOADED_NS: Final = 500_000_000
 
 
 @np.errstate(invalid="ignore")
-def fallen_spans(
-    base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats, jumps: Ints
-) -> Ints:
+def fallen_spans(base: BaseHistory, feet: Sequence[FootHistory], height_m: Floats) -> Ints:
     """Find the spans in which the robot lies because it fell.
 
     A fall is a descent from standing to lying, of a robot whose feet were loaded: as fast as a
@@ -238,7 +238,6 @@ def fallen_spans(
         base: poses.
         feet: histories of all feet.
         height_m: (n,) of the base over the feet, at each pose; NaN where not known.
-        jumps: (j, 2) ns, jumps of the pose; a height that jumps is no fall.
 
     Returns:
         (f, 2) ns, from the beginning of the descent until it lies no more.
@@ -262,9 +261,7 @@ def fallen_spans(
         slowest = SLOWEST_FALL if leans else SLOWEST_UPRIGHT_FALL
         # Of a height that is not known no descent is fast.
         is_fast = start - since <= (TOPPLES_NS if topples else slowest * free_fall_ns)
-        descent = np.array([[since, start]], np.int64)
-        jumped = timespans.touches(descent, jumps[:, 0] + 1, jumps[:, 1] - 1).any()
-        if is_fast and (topples or not jumped) and _are_loaded(feet, since - LOADED_NS, start):
+        if is_fast and _are_loaded(feet, since - LOADED_NS, start):
             steady = time[: stood[-1] + 1][~sways[: stood[-1] + 1]]
             began = int(steady[-1]) if len(steady) else since
             falls.append((began if since - began <= TOPPLES_NS else since, end))

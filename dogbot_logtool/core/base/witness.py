@@ -24,10 +24,10 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     norms,
 )
-from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath
+from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath, contact_path, footfalls
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
@@ -45,19 +45,24 @@ _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
 POINTS: Final = "contact points"
 LEGS: Final = "legs"
+TWIST: Final = "the twist beside them"
 
 
 class Witness(NamedTuple):
-    """The base's motion by its feet."""
+    """The base's motion by something else than its poses."""
 
     poses: BaseHistory
-    """From any origin; the heading is that of the robot's forward axis if `tells_heading`."""
+    """From any origin; by `POINTS`, the heading is that of the robot's forward axis."""
     by: str
-    """`POINTS` or `LEGS`."""
+    """`POINTS`, `LEGS` or `TWIST`."""
     tells_heading: bool
     """Whether the heading is the robot's own, and not only its changes are known."""
     tells_turn: bool
     """Whether the heading turns as the feet do; else it is that of the recorded poses."""
+
+    def motion(self, windows: Ints, forward_rad: float) -> "Motion":
+        """Return the motion along the robot's forward axis in some windows; see `motion_in`."""
+        return motion_in(self.poses, windows, 0.0 if self.by == POINTS else forward_rad)
 
     def stand_in(self, recorded: BaseHistory, forward_rad: float) -> BaseHistory | None:
         """Return poses of the base in place of recorded ones, of which none can be used.
@@ -71,7 +76,7 @@ class Witness(NamedTuple):
         """
         if len(recorded.time) or not (self.tells_heading and self.tells_turn):
             return None
-        ahead = 0.0 if self.by == LEGS else forward_rad
+        ahead = forward_rad if self.by == POINTS else 0.0
         return replace(
             recorded,
             time=self.poses.time,
@@ -129,23 +134,18 @@ def by_points(
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
     """Return when and where a foot rests: once a stance, twice in a stance that is long."""
-    time, place = stance_places(foot)
-    stances, known = foot.stances, all_finite(place)
-    if not known.any():
-        return time[known], place[known]
-    duration = stances.liftoff - stances.touchdown
-    usual = int(median_of(duration[stances.whole] if stances.whole.any() else duration))
-    # A stance that the log's start or end cuts is taken to be as long as others.
-    brief = duration < usual
-    begun, left = (brief & (stances.cut == cut) for cut in (Cut.LOG_START, Cut.LOG_END))
-    time[begun] = stances.liftoff[begun] - usual // 2
-    time[left] = stances.touchdown[left] + usual // 2
-    time, place, duration = time[known], place[known], duration[known]
-    longer = np.maximum(duration - 2.0 * usual, 0.0).astype(np.int64)
-    twice = np.stack([time, time + longer], axis=1).ravel()
-    both = np.repeat(place, 2, axis=0)
-    kept = np.concatenate([[True], np.diff(twice) > 0])
-    return twice[kept], both[kept]
+    place, stances = footfalls(contact_path(foot), foot.stances).position, foot.stances
+    begin, end, known = stances.touchdown, stances.liftoff, all_finite(place)
+    if known.any():
+        # A stance that the log's start or end cuts is taken to be as long as others.
+        usual = int(median_of((end - begin)[stances.whole if stances.whole.any() else known]))
+        begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
+        end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
+        half = np.where(end - begin > 2 * usual, usual, end - begin) // 2
+        begin, end = begin + half, end - half
+    time, place = np.stack([begin, end], axis=1)[known].ravel(), np.repeat(place[known], 2, axis=0)
+    kept = np.diff(time, prepend=-2) > 1
+    return time[kept], place[kept]
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:
@@ -177,8 +177,7 @@ def by_legs(
     Args:
         places: of each foot, from the base's origin along its axes; None: not known.
         feet: histories of the same feet.
-        base: recorded poses, whose lean turns places into level axes, and whose turn stands in
-            where a single foot stands.
+        base: recorded poses, whose lean turns places into level axes.
 
     Returns:
         None where no foot's places are known.
@@ -192,7 +191,6 @@ def by_legs(
     time = time[first_at_each_tick(time, RATE_HZ)]
     place = np.stack([path.at(time) for path in paths], axis=1)
     standing = np.stack([timespans.covers(feet[row].in_contact, time) for row in known], axis=1)
-    angles = np.zeros((len(time), 3))
     if len(base.time):
         angles = interpolated(time, base.time, base.angles)
         # Two feet tell no turn about the line between them, and bases that bound lean in time.
@@ -200,10 +198,6 @@ def by_legs(
         place = np.stack([rotate(lean, place[:, row]) for row in range(len(paths))], axis=1)
     legs = leg_odometry(time, place, standing)
     tells_turn = bool(np.isfinite(legs.turn_rate[:, 2]).mean() > 0.5)
-    if not tells_turn and len(base.time) > 1:
-        rates = np.zeros((len(time), 3))
-        rates[:, 2] = np.gradient(angles[:, 2], (time - time[0]) / 1e9)
-        legs = leg_odometry(time, place, standing, rates)
     speed = norms(legs.velocity[np.isfinite(legs.velocity[:, 0])])
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
@@ -263,7 +257,7 @@ def find_frozen(
     spans = spans[most >= FEWEST_TOUCHDOWNS]
     if witness is None or not len(spans):
         return spans
-    motion = motion_in(witness.poses, stride_windows(spans, period_s))
+    motion = witness.motion(stride_windows(spans, period_s), 0.0)
     speeds, turns = np.abs(motion.displacement) / period_s, np.abs(motion.turn) / period_s
     stays = float(median_of_known(speeds, axis=0)) < STAYS_MPS
     stays &= float(median_of_known(turns, axis=0)) < STAYS_RADPS
@@ -286,7 +280,7 @@ STEPS_M: Final = 0.01
 """m a stride below which a witness does not move at all: no leg steps so short, and what is taken
 for a foot's place rests in the body."""
 COHERENT: Final = 0.7
-"""Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which two ways are one."""
+"""Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
 SWINGS: Final = 0.3
 """m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
@@ -331,13 +325,10 @@ def motion_in(base: BaseHistory, windows: Ints, forward_rad: float = 0.0) -> Mot
     """Add up a base's steps in some windows.
 
     Args:
-        base: poses.
+        base: poses, at least two.
         windows: (k, 2) ns.
         forward_rad: from the heading of its poses to forward.
     """
-    if len(base.time) < 2:
-        unknown = np.full(len(windows), np.nan)
-        return Motion(unknown + 0j, unknown, unknown)
     ahead, left, _ = base.steps(forward_rad)
     path = np.concatenate([[0.0], np.cumsum(ahead + 1j * left)])
     outside = (windows[:, 0] < base.time[0]) | (windows[:, 1] > base.time[-1])
@@ -358,8 +349,6 @@ class Comparison(NamedTuple):
     reference: Motion
     tells_heading: bool
     """Whether the witness tells directions."""
-    reach_m: float
-    """How far from the base what tells of its motion may be."""
 
     @property
     def strides(self) -> int:
@@ -371,15 +360,13 @@ class Comparison(NamedTuple):
         """Whether the witness goes somewhere, or the poses do by far."""
         walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
         turned = float(np.abs(self.reference.turn).sum())
-        return self.reference.walked_m > STEPS_M * self.strides and walked_m > max(
-            SHORTEST_PATH_M, self.reach_m * turned
-        )
+        is_far = walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
+        return self.reference.walked_m > STEPS_M * self.strides and is_far
 
     @property
     def scale(self) -> float:
         """How many times as far as the witness the poses go."""
-        factor, coherence, _ = likeness(self.own.displacement, self.reference.displacement)
-        return factor if coherence >= COHERENT else self.own.walked_m / self.reference.walked_m
+        return self.own.walked_m / self.reference.walked_m
 
     @property
     def direction_rad(self) -> float:
@@ -402,17 +389,31 @@ def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]
 
 
 def compare(
-    by: str, own: Motion, reference: Motion, *, tells_heading: bool, reach_m: float = SWINGS
+    witness: Witness | None, own: Motion, windows: Ints, forward_rad: float
 ) -> Comparison | None:
-    """Compare the motion by poses with that by a witness; None: too few strides in common."""
+    """Compare the motion by poses with that by a witness, if there is one.
+
+    Args:
+        witness: of the same motion.
+        own: the motion by poses in some windows.
+        windows: (k, 2) ns.
+        forward_rad: from the body's x axis to the axis that points forward.
+
+    Returns:
+        None where both tell of too few strides.
+    """
+    if witness is None:
+        return None
+    reference = witness.motion(windows, forward_rad)
     both = np.isfinite(own.turn) & np.isfinite(reference.turn)
     if both.sum() < FEWEST_STRIDES:
         return None
-    return Comparison(by, own.pick(both), reference.pick(both), tells_heading, reach_m)
+    tells_heading = witness.tells_heading
+    return Comparison(witness.by, own.pick(both), reference.pick(both), tells_heading)
 
 
-def by_twist(poses: BaseHistory) -> BaseHistory | None:
-    """Return poses that go where the twist beside them says; None: there is none.
+def by_twist(poses: BaseHistory) -> Witness | None:
+    """Return the base's motion as the twist beside its poses has it; None: there is none.
 
     Sources give it in the world's or in the body's axes: those count that are nearer to the way.
     """
@@ -425,4 +426,5 @@ def by_twist(poses: BaseHistory) -> BaseHistory | None:
     turned = step * np.exp(1j * (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0)
     nearer = min(step, turned, key=lambda each: float(np.abs(each - own).sum()))
     at = np.concatenate([[0.0], np.cumsum(nearer)])
-    return replace(poses, position=np.stack([at.real, at.imag, np.zeros(len(at))], axis=1))
+    position = np.stack([at.real, at.imag, np.zeros(len(at))], axis=1)
+    return Witness(replace(poses, position=position), TWIST, tells_heading=True, tells_turn=False)

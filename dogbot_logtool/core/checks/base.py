@@ -21,7 +21,6 @@ from dogbot_logtool.core.base.leg_odometry import turns_and_up
 from dogbot_logtool.core.base.witness import (
     LEGS,
     POINTS,
-    SWINGS,
     Comparison,
     Motion,
     by_twist,
@@ -180,8 +179,6 @@ def frozen(walk: Walk) -> Iterator[Finding]:
 
 FEWEST_A_STRIDE: Final = 4.0
 """Distinct poses a stride from which they tell of attitude and height."""
-MOST_OF_LOG: Final = 0.03
-"""Share of the log that lies between two distinct poses from which its whole path is not known."""
 
 
 def rate(walk: Walk) -> Iterator[Finding]:
@@ -192,9 +189,6 @@ def rate(walk: Walk) -> Iterator[Finding]:
         return
     per_stride = period_s / interval_s
     cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
-    if interval_s > MOST_OF_LOG * float(np.ptp(poses.time)) / 1e9:
-        # Where the base goes after the last pose is not known.
-        cases = (*cases, "short")
     if poses.repeated or cases:
         say = "plain" if poses.repeated else "rare"
         rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
@@ -219,8 +213,11 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     if rest_in_the_air(walk):
         # Contact is in doubt then, and not the poses.
         return
-    own, feet = motion_in(walk.poses, windows, walk.settings.forward_rad), _by_feet(walk, windows)
-    way = feet if feet is not None and feet.tells_way else _by_twist(walk, windows, own)
+    forward_rad = walk.settings.forward_rad
+    own = motion_in(walk.poses, windows, forward_rad)
+    feet = compare(walk.witness, own, windows, forward_rad)
+    twist = compare(by_twist(walk.poses), own, windows, forward_rad)
+    way = next((each for each in (feet, twist) if each is not None and each.tells_way), None)
     yield from _scale(walk, own, way)
     if way is not None and abs(way.direction_rad) > ASIDE_RAD:
         degrees = abs(np.degrees(way.direction_rad))
@@ -237,7 +234,11 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
 
 def feet_agree(walk: Walk) -> bool:
     """Tell whether feet that stand, by their contacts, go back as the poses go ahead."""
-    feet = _by_feet(walk, _windows(walk)) if walk.ground is None else None
+    windows, forward_rad = _windows(walk), walk.settings.forward_rad
+    if walk.ground is not None or not len(windows):
+        return False
+    own = motion_in(walk.poses, windows, forward_rad)
+    feet = compare(walk.witness, own, windows, forward_rad)
     return feet is not None and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
 
 
@@ -258,9 +259,9 @@ def rest_in_the_air(walk: Walk) -> bool:
     if len(walk.frozen):
         return False
     resting = 0
-    for foot in walk.feet:
+    for foot, path in zip(walk.feet, walk.corrected.places, strict=True):
         stood, down = foot.stood, foot.record.contact_fraction() or 0.0
-        if stood is None or foot.record.has_force or len(stood.first) < 2:
+        if path is None or foot.record.has_force or len(stood.first) < 2:
             continue
         if 0.0 < down < HALF:
             travel_m = median_of_known(stood.travel_m, axis=0)
@@ -277,28 +278,6 @@ def _windows(walk: Walk) -> Ints:
     if not period_s:
         return stride_windows(walk.poses.known, WINDOW_S)
     return stride_windows(timespans.merge(walk.strides), period_s)
-
-
-def _by_feet(walk: Walk, windows: Ints) -> Comparison | None:
-    """Compare the poses with the base's motion by its feet; None: these do not tell it."""
-    feet, forward_rad = walk.witness, walk.settings.forward_rad
-    if feet is None or not len(windows):
-        return None
-    own = motion_in(walk.poses, windows, forward_rad)
-    # Legs tell of the body's own axes, contact points of where fore and hind feet are.
-    reference = motion_in(feet.poses, windows, forward_rad if feet.by == LEGS else 0.0)
-    reach_m = SWINGS if walk.worlds is None else min(SWINGS, walk.worlds.spread_m)
-    return compare(feet.by, own, reference, tells_heading=feet.tells_heading, reach_m=reach_m)
-
-
-def _by_twist(walk: Walk, windows: Ints, own: Motion) -> Comparison | None:
-    """Compare the poses with the twist beside them; None: there is none that goes anywhere."""
-    twist = by_twist(walk.poses)
-    if twist is None:
-        return None
-    reference = motion_in(twist, windows, walk.settings.forward_rad)
-    compared = compare("the twist beside them", own, reference, tells_heading=True)
-    return compared if compared is not None and compared.tells_way else None
 
 
 FURTHEST_LEGS: Final = 5.0

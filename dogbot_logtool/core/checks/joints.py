@@ -72,10 +72,7 @@ def work_doubts(walk: Walk, legs: LegFigures) -> Iterator[Finding]:
     if odd := odd or _odd_efforts(walk, legs) or _other_unit(walk, signs):
         yield found("JOINT_VALUES", case, where=_WORK, why=odd)
         return
-    without = [joint.name for joint in legs.moving if not joint.has_effort]
-    if without:
-        yield found("JOINT_VALUES", "some_missing", where=_WORK, names=_named(without))
-    yield from _effort_signs(walk, legs, signs, judges_all=not without)
+    yield from _effort_signs(walk, legs, signs)
 
 
 def _named(names: list[str]) -> str:
@@ -225,9 +222,7 @@ def _other_unit(walk: Walk, judged: dict[str, LegSigns]) -> str:
     return f"the work of joints is {scale:.3g} times that of the forces on the feet"
 
 
-def _effort_signs(
-    walk: Walk, legs: LegFigures, judged: dict[str, LegSigns], *, judges_all: bool
-) -> Iterator[Finding]:
+def _effort_signs(walk: Walk, legs: LegFigures, judged: dict[str, LegSigns]) -> Iterator[Finding]:
     """Yield efforts of the wrong sign: of legs, or else by energy of all joints together."""
     odd = {foot: names for foot, (names, _) in judged.items() if names}
     sound = judged.keys() - odd.keys()
@@ -236,10 +231,8 @@ def _effort_signs(
         feet = [name for name in feet if name not in sound]
         names = _named([name for each in odd.values() for name in each])
         yield found("EFFORT_SIGN", where=where, feet=feet, names=names)
-    elif judges_all and len(judged) < len(legs.feet):
-        short = _shortfall(walk, legs)
-        if short is not None:
-            yield found("EFFORT_SIGN", where=where, say="energy", feet=feet, short=short)
+    elif len(judged) < len(legs.feet) and (short := _shortfall(walk, legs)) is not None:
+        yield found("EFFORT_SIGN", where=where, say="energy", feet=feet, short=short)
 
 
 def _shortfall(walk: Walk, legs: LegFigures) -> float | None:

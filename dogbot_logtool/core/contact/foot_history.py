@@ -11,7 +11,7 @@ and again. Two thresholds and minimum durations are practice in biomechanics (Ki
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from dogbot_logtool.core.arrays import (
     Ints,
     flagged_runs,
     latched,
-    means_by_group,
     median_of,
     percentiles_of,
     rows_of_runs,
@@ -37,7 +36,40 @@ from dogbot_logtool.core.contact.stances import (
     stance_figures,
 )
 from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
-from dogbot_logtool.core.corrections.sensor import ContactRule
+from dogbot_logtool.core.corrections.sensor import Origin
+
+ANY_FORCE_N: Final = 1e-9
+"""Threshold where no force was ever seen, so that nothing tells what a load is."""
+DEBOUNCE_S: Final = 0.020
+
+
+class ContactRule(NamedTuple):
+    """The thresholds of contact."""
+
+    on_n: float
+    """N: |F| from which a foot is in contact."""
+    off_n: float
+    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
+    debounce_s: float
+    """s: shorter swings are filled, then shorter stances dropped."""
+    brief_s: float | None = None
+    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
+    origin: Origin = "default"
+    """The origin of the thresholds."""
+    by_flag: bool = False
+    """Whether the message's own contact flag decides, whatever the force."""
+    unusable: str = ""
+    """Why the sensor cannot tell contact; empty: it can."""
+
+
+class Thresholds(NamedTuple):
+    """The settings of contact by a user or the robot's file; None: not given."""
+
+    on_n: float | None = None
+    off_n: float | None = None
+    debounce_s: float | None = None
+    origin: Origin = "option"
+
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""
@@ -229,34 +261,6 @@ def _scuffs(track: FootTrack, starts: Ints, ends: Ints) -> Flags:
     swing = np.append(track.time[starts[1:]] - track.time[ends[:-1]], 0)
     scuff &= (swing > duration) & (np.concatenate([[0], swing[:-1]]) > duration)
     return np.asarray(scuff)
-
-
-def stance_places(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return when and where a foot stands in each of its stances.
-
-    Of a stance that is longer than usual, as one that a stand or a silence follows, the beginning
-    counts.
-
-    Returns:
-        (k,) ns, the mean time of its contact points, or the middle of a stance without any; and
-        (k, 3) m, their mean; NaN without any.
-    """
-    begin, end = foot.stances.touchdown, foot.stances.liftoff
-    if len(begin):
-        lasting = end - begin
-        # A float may be above the longest, and above every int64.
-        end = begin + np.minimum(lasting, min(int(median_of(lasting)), int(lasting.max())))
-    middle = begin + (end - begin) // 2
-    time, point = foot.track.contact_points
-    if not len(begin) or not len(time):
-        return middle, np.full((len(begin), 3), np.nan)
-    stance = np.searchsorted(begin, time, side="right") - 1
-    inside = (stance >= 0) & (time < end[np.maximum(stance, 0)])
-    rows = np.column_stack([time - begin[0], point])[inside]
-    means = means_by_group(rows, stance[inside], len(begin))
-    known = np.isfinite(means[:, 0])
-    middle[known] = begin[0] + means[known, 0].astype(np.int64)
-    return middle, means[:, 1:]
 
 
 BOUNCE: Final = 0.2

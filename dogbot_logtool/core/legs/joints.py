@@ -82,8 +82,6 @@ class LegSettings:
     """Why a foot has no chain; empty where it has one."""
     joints: tuple[kinematics.Joint, ...] = ()
     """Of a robot description, which place the frames of all chains; empty: transforms do."""
-    joint_topics: tuple[str, ...] = ()
-    """Topics of joint states; the best first, whose states of a joint count."""
     foot_of_joint: Mapping[str, int] = field(default_factory=dict)
     """Index of the foot that a joint moves, by the joint's name."""
     pairs: Mapping[str, tuple[str, str]] = field(default_factory=dict)

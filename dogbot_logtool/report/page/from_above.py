@@ -6,7 +6,8 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.contact.foot_history import FootHistory, stance_places
+from dogbot_logtool.core.base.foot_path import contact_path, footfalls
+from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import (
     MARGIN,
@@ -127,9 +128,9 @@ def _words(walk: Walk) -> str:
 
 def _footprints(foot: FootHistory) -> tuple[Ints, Floats]:
     """Return when, (k,) ns, and where, (k, 2) m, a foot stands."""
-    time, place = stance_places(foot)
-    known = np.isfinite(place[:, 0])
-    return time[known], place[known, :2]
+    stood = footfalls(contact_path(foot), foot.stances)
+    known = np.isfinite(stood.position[:, 0])
+    return stood.time[known], stood.position[known, :2]
 
 
 def _caption(prints: Sequence[tuple[Ints, Floats]]) -> str:

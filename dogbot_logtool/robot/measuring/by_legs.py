@@ -16,8 +16,7 @@ from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.robot_model.description import Model, without_legs
-from dogbot_logtool.robot.robot_model.legs_of_urdf import axis_by_names, find_legs
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
+from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, axis_by_names, legs_of_robot
 from dogbot_logtool.robot.selection import Selection
 
 _WORLD: Final = "odom"
@@ -63,7 +62,7 @@ def _estimated(
     knows_axis = "forward_axis" in named.given or not selection.robot_is_guessed
     axis = named.forward_axis if knows_axis else None
     try:
-        legs, axis = find_legs(robot, _posture(recording.joints), axis)
+        legs, axis = legs_of_robot(robot, _posture(recording.joints), axis)
     except ValueError as reason:
         raise ValueError(f"the robot description {reason}") from None
     names = dict.fromkeys(name for leg in legs for name in leg.measured)

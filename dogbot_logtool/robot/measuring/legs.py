@@ -53,7 +53,6 @@ def find_legs(
             for foot, chain in enumerate(chains)
         ),
         joints=() if by_frames else tuple(joints.values()),
-        joint_topics=tuple(table.topic for table in recording.joints),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
         limits=robot.limits if robot else {},
