@@ -37,7 +37,7 @@ _OTHER_PART: Final = 4
 """Points that a name costs which speaks of something else beside a foot."""
 _NEVER: Final = 20
 """Points of what cannot be feet: nothing can outweigh it."""
-_SLOW_HZ, _FAST_HZ = 5.0, 20.0
+_FAST_HZ: Final = 20.0
 _FEWEST: Final = 8
 """Samples of a foot from which its values mean something; some are sent on change only."""
 _LARGEST_STATE: Final = 3.0
@@ -233,8 +233,7 @@ def name_marks(names: Collection[str], type_name: str, rate_hz: float | None) ->
     if texts & (CONTACT_WORDS | FORCE_WORDS):
         yield 1, "of contact or force"
     if rate_hz is not None:
-        points = 1 if rate_hz >= _FAST_HZ else -2 if rate_hz < _SLOW_HZ else 0
-        yield points, f"{rate_hz:.0f} messages a second"
+        yield int(rate_hz >= _FAST_HZ), f"{rate_hz:.0f} messages a second"
 
 
 def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
