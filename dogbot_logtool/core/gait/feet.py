@@ -16,8 +16,7 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
     trapezoids,
 )
-from dogbot_logtool.core.base.foot_path import Footfalls
-from dogbot_logtool.core.base.ground import MovingGround
+from dogbot_logtool.core.base.ground import Footfalls, MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
