@@ -170,8 +170,6 @@ LOWEST_M: Final = 1e-3
 """m, lowest usual height of a base over its feet."""
 LOWEST: Final = 0.15
 """The same as a share of the feet's spread: poses that count z from the ground are lower."""
-FURTHEST: Final = 1.5
-"""Times height and spread of the feet by which the base may be away from them, seen from above."""
 FLAT: Final = 0.1
 """Share of their extent by which points may deviate from a plane."""
 FEWEST_POINTS: Final = 3
@@ -184,15 +182,12 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
 
     Returns:
         (n,) m, at each pose; NaN before any contact point, and throughout where the contact
-        points are in another world than the base: below it nowhere, or far to its side.
+        points are in another world than the base, not below it.
     """
     offset = _base_from_feet(base, feet)
-    known = offset[all_finite(offset)]
-    if len(known) == 0:
-        return np.full(len(base.time), np.nan)
-    aside = median_of(np.hypot(known[:, 0], known[:, 1]))
-    height, spread = median_of(known[:, 2]), median_of(known[:, 3])
-    if height < max(LOWEST_M, LOWEST * spread) or aside > FURTHEST * (height + spread):
+    known = offset[all_finite(offset), 2:]
+    height, spread = median_of(known, axis=0) if len(known) else (0.0, 0.0)
+    if height < max(LOWEST_M, LOWEST * spread):
         return np.full(len(base.time), np.nan)
     stood = [footfalls(contact_path(foot), foot.stances) for foot in feet]
     normal = _ground_normal(stood, timespans.ALWAYS)
@@ -393,8 +388,5 @@ def usual_places(
 def nearest_axis(direction: Floats) -> str | None:
     """Return the axis that a (2,) direction in the body clearly follows; None: it does not."""
     x, y = direction.tolist()
-    if max(abs(x), abs(y)) <= CLEARLY * min(abs(x), abs(y)):
-        return None
-    if abs(x) > abs(y):
-        return "+x" if x > 0.0 else "-x"
-    return "+y" if y > 0.0 else "-y"
+    less, more = sorted([(abs(x), "-x" if x < 0.0 else "+x"), (abs(y), "-y" if y < 0.0 else "+y")])
+    return more[1] if more[0] > CLEARLY * less[0] else None
