@@ -10,49 +10,27 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import (
-    Floats,
-    Ints,
-    all_finite,
-    median_of,
-    norms,
-    quantiles,
-    runs_of,
-    sorted_runs,
-)
+from dogbot_logtool.core.arrays import Floats, all_finite, distinct, flagged_runs, norms
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.modes import ALTERNATE, CONSTANT, NOISY, WIDE
-from dogbot_logtool.core.corrections.sensor import (
+from dogbot_logtool.core.contact.foot_history import (
     ANY_FORCE_N,
     DEBOUNCE_S,
-    SURE,
     ContactRule,
-    SensorLevel,
     Thresholds,
+)
+from dogbot_logtool.core.corrections.clock import usual_interval_s
+from dogbot_logtool.core.corrections.sensor import (
+    CONSTANT,
+    SURE,
+    SensorLevel,
     estimate_level,
-    load_axis,
-    refuted_level,
-    without_spikes,
+    refuted,
     zero_level,
 )
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""
-MOVED: Final = 0.1
-"""Share of the usual load by which a level that was not re-zeroed may change from swing to swing,
-and by which the lightest loads of a few strides may lie off it."""
-MOVED_NOISES: Final = 5.0
-"""The same in standard deviations of the noise."""
-_STRIDES: Final = 4.0
-"""Strides of which the lightest loads are compared with the level."""
-_SWINGS_A_STRIDE: Final = 3.0
-"""Strides last about so many swings."""
-_LOW, _HIGH = 0.08, 0.92
-"""Quantiles of such strides that are those of swing and of stance."""
-STEPS: Final = "what it reads without load steps or strays in the log, as where it was re-zeroed"
-
 Levels = tuple[SensorLevel, ...]
 
 
@@ -78,18 +56,15 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     estimated = weight_of_levels(levels) if weight is None else None
     # A robot that stands in a simulator without noise has no force that varies.
     some_vary = any(
-        level.reason != CONSTANT and (level.refuted or level.loaded_n) for level in levels
+        level.reason != CONSTANT and (level.hides_contact or level.loaded_n) for level in levels
     )
     found = []
     for foot, level, samples in zip(settings.feet, levels, feet, strict=True):
         interval_s = usual_interval_s(samples.log_time)
         rule = contact_rule(level, weight or estimated, settings.thresholds, interval_s)
-        if foot.has_flags:
-            rule = rule._replace(by_flag=True, unusable="")
-        elif some_vary and level.reason == CONSTANT and level.loaded_n:
-            rule = rule._replace(unusable="its sensor reads one constant force while others vary")
-        if foot.low_pass and not foot.low_pass.resolved:
-            rule = rule._replace(unusable=HEAVILY_FILTERED)
+        why = _why_unusable(foot, level, rule, some_vary=some_vary)
+        rule = rule._replace(by_flag=foot.has_flags, unusable=why)
+        level = replace(level, limit_n=_limit_n(samples.force, level))  # noqa: PLW2901
         found.append(foot._replace(level=level, rule=rule))
     return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
 
@@ -104,28 +79,20 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
     """
     time, force = samples.log_time, samples.force
     if foot.offset_n is None:
-        zero = SensorLevel(zero_in_swing=True)
-        if foot.silent_in_swing:
-            # Its samples are those in contact only, and their mean is no mean over strides.
-            pressed = force[all_finite(force)]
-            level = zero_level(np.concatenate([np.zeros((len(pressed) + 3, 3)), pressed]))
-            return replace(level or zero, mean_n=None)
         if not foot.has_force:
-            return zero
+            return SensorLevel(zero_in_swing=True)
+        if foot.lists_contacts or foot.silent_in_swing:
+            level = zero_level(force[all_finite(force)])
+            # Samples of contact only have no mean over strides.
+            return replace(level, mean_n=None) if foot.silent_in_swing else level
         level = estimate_level(time, force)
-        if foot.lists_contacts and not level.zero_in_swing and level.mean_n is not None:
-            # A foot that is down throughout: its messages would say if it were not.
-            magnitude = norms(force)
-            mean = float(median_of(magnitude[np.isfinite(magnitude)]))
-            return replace(zero, loaded_n=mean, mean_n=mean)
-        if level.zero_in_swing or (takes and level.reason):
+        if takes or level.zero_in_swing:
             return level
-        if takes:
-            return level if _is_steady(level, time, force) else refuted_level(STEPS)
     offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
     rest = estimate_level(time, force - offset)
     knots = np.zeros(1, np.int64)
-    return replace(rest, knots=knots, offset=offset, origin=foot.offset_from, reason="")
+    known = replace(rest, reason="", hides_contact=False)
+    return replace(known, knots=knots, offset=offset, origin=foot.offset_from)
 
 
 def _without_forces(samples: Samples) -> bool:
@@ -172,51 +139,16 @@ def fitting_levels(levels: Levels, weight_n: float) -> Levels:
     Where swings and stances are beyond doubt, so are the offsets: the mass is wrong then.
     """
     total = weight_of_levels(levels)
-    if total is None:
-        return levels
-    miss, recorded_miss = (abs(n / weight_n - 1.0) for n in (total, _recorded_n(levels)))
-    if miss <= min(recorded_miss + WORSE, 2.0 * WORSE):
-        return levels
-    if total < weight_n and any(level.limit_n is not None for level in levels):
-        # What a sensor cuts off is missing.
+    recorded = sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
+    if total is None or abs(total / weight_n - 1.0) <= abs(recorded / weight_n - 1.0) + WORSE:
         return levels
     worsens = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
     return tuple(
-        refuted_level(worsens)
+        refuted(worsens)
         if level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
         else level
         for level in levels
     )
-
-
-def _recorded_n(levels: Levels) -> float:
-    """Return the sum of the feet's mean loads with the offsets left in, N."""
-    return sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
-
-
-def _is_steady(level: SensorLevel, log_time: Ints, force: Floats) -> bool:
-    """Tell whether a level makes no step, and the lightest loads lie at it throughout.
-
-    Args:
-        level: of the sensor, known.
-        log_time: (n,) ns.
-        force: (n, 3) N, as recorded.
-    """
-    loaded, known = level.loaded_n or 0.0, all_finite(force)
-    limit = max(MOVED * loaded, MOVED_NOISES * (level.noise_n or 0.0), level.wobble_n)
-    if (norms(np.diff(level.offset, axis=0)) > limit).any():
-        return False
-    log_time, force = log_time[known], force[known] - level.offset_at(log_time[known])
-    load = without_spikes(force @ load_axis(force))
-    window_ns = max(round(_STRIDES * _SWINGS_A_STRIDE * (level.swing_s or 0.0) * 1e9), 1)
-    window, of_swings = ((time - log_time[0]) // window_ns for time in (log_time, level.knots))
-    first, count = runs_of(window)
-    ordered = sorted_runs(load, first)
-    low, high = (quantiles(ordered, first, first + count, share) for share in (_LOW, _HIGH))
-    strays = np.minimum(np.abs(low), np.abs(high)) > limit
-    # The log's end may cut the last ones.
-    unseen = ~np.isin(window[first], of_swings) & (window[first] < window[-1])
-    return not ((strays | unseen) & (high - low > limit + loaded / 2.0)).any()
 
 
 ZERO_ON: Final = 0.05
@@ -236,8 +168,6 @@ ON_TO_OFF: Final = 0.8
 """Contact then ends at the furthest itself, or at this share of `on` at most."""
 MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
-STEPS_UNCLEAR: Final = frozenset({ALTERNATE, NOISY, WIDE})
-"""Reasons of an unknown level with which a load that comes and goes is no sure contact."""
 HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides contact"
 DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
@@ -279,24 +209,66 @@ def contact_rule(
         brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
         debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
-        unusable="" if given.on_n else _why_unusable(level, on, off),
     )
 
 
-def _why_unusable(level: SensorLevel, on_n: float, off_n: float) -> str:
-    """Say why a sensor cannot tell contact with some thresholds, N; empty where it can."""
-    if level.refuted:
-        return level.reason
-    loaded, lightest = level.loaded_n, level.lightest_n
-    if loaded is None:
+def _why_unusable(
+    foot: FootSettings, level: SensorLevel, rule: ContactRule, *, some_vary: bool
+) -> str:
+    """Say why a sensor cannot tell contact; empty where it can."""
+    if foot.low_pass and not foot.low_pass.resolved:
+        return HEAVILY_FILTERED
+    if some_vary and level.reason == CONSTANT and level.loaded_n and not foot.has_flags:
+        return "its sensor reads one constant force while others vary"
+    if foot.has_flags or rule.origin in {"option", "robot"}:
         return ""
-    if on_n > MOST_OF_LOAD * loaded:
+    if level.hides_contact:
+        return f"what it reads without load is not known: {level.reason}"
+    if rule.on_n > MOST_OF_LOAD * (level.loaded_n or np.inf):
         return (
-            f"contact would need {on_n:.3g} N, more than half of the {loaded:.3g} N that "
-            "the foot usually carries"
-        )
-    if level.reason in STEPS_UNCLEAR and lightest is not None and lightest < off_n:
-        return (
-            f"its load comes and goes, but what it reads without load is not known: {level.reason}"
+            f"contact would need {rule.on_n:.3g} N, more than half of the {level.loaded_n:.3g} N "
+            "that the foot usually carries"
         )
     return ""
+
+
+SATURATED_SAMPLES: Final = 3
+"""Samples in a row at the very same highest force that make a flat top."""
+STEEP: Final = 10.0
+"""Steps of the sensor's resolution beyond which the rise to its limit is steep. The round top of a
+force that is recorded in steps is flat for m samples and at most 8 steps lower m samples before."""
+SATURATED_STANCES: Final = 3
+"""Stances with the same flat top that make a saturated sensor."""
+FAR_FROM_SWING: Final = 0.5
+"""Share of the usual load that a limit is from the unloaded level; else it is that of swing."""
+
+
+def _limit_n(force: Floats, level: SensorLevel) -> float | None:
+    """Return the value at which an axis of a sensor is cut off, N; None: none is.
+
+    Args:
+        force: (n, 3) N, as recorded.
+        level: of the sensor.
+    """
+    force = force[all_finite(force)]
+    if level.reason or level.loaded_n is None or not len(force):
+        return None
+    for axis, sign in ((axis, sign) for axis in range(3) for sign in (1.0, -1.0)):
+        values = sign * force[:, axis]
+        limit = float(values.max())
+        is_far = limit - sign * level.offset_n[axis] > FAR_FROM_SWING * level.loaded_n
+        if is_far and _flat_tops(values, limit) >= SATURATED_STANCES:
+            return sign * limit
+    return None
+
+
+def _flat_tops(values: Floats, limit: float) -> int:
+    """Return how often values rise steeply to a limit, and stay there."""
+    tops = flagged_runs(values == limit)
+    start, length = tops[:, 0], tops[:, 1] - tops[:, 0]
+    flat = length >= SATURATED_SAMPLES
+    if flat.sum() < SATURATED_STANCES:
+        return 0
+    start, length = start[flat], length[flat]
+    rise = limit - values[np.maximum(start - length, 0)]
+    return int((rise > STEEP * np.diff(distinct(values)).min()).sum())

@@ -5,15 +5,14 @@ from math import pi
 from typing import Final, NamedTuple
 
 from dogbot_logtool.core.contact.filtered import Filter
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.sensor import (
+from dogbot_logtool.core.contact.foot_history import (
     ANY_FORCE_N,
     DEBOUNCE_S,
     ContactRule,
-    Origin,
-    SensorLevel,
     Thresholds,
 )
+from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.leg_position import LegPosition, are_some_of
 

@@ -28,10 +28,9 @@ from dogbot_logtool.results import Figures, StrideTable
 from tests import forked_cli
 from tests.paths import TROT as BAG
 from tests.paths import WALK as MCAP
-from tests.truth import gaits, sensor_faults
+from tests.truth import gaits
 from tests.truth.gaits import Gait
 from tests.truth.log_file import write_log
-from tests.truth.recording import disturbed
 from tests.truth.walking import Walk
 
 STEP_S = 0.002
@@ -154,22 +153,6 @@ def test_checks_that_failed_are_doubts() -> None:
     bad = log()
     bad["quality"]["checks"].append({"name": "all topics have one clock", "outcome": "failed"})
     assert list(doubts([log(), bad])) == ["a.bag: it does not hold that all topics have one clock"]
-
-
-def test_two_halves_of_a_run_walk_alike(tmp_path: Path) -> None:
-    faults = (sensor_faults.as_force_sensors, sensor_faults.noise(1.0))
-    log = write_log(
-        disturbed(Walk(seconds=20.0).recorded(200.0, 100.0), *faults), tmp_path / "log.mcap"
-    )
-    halves = [
-        figures(log, options=MeasureOptions(mass=20.0, start=start, end=end))
-        for start, end in ((0.0, 10.0), (10.0, 20.0))
-    ]
-    found = compare_walks(*([half] for half in halves))
-
-    assert found.reasons == ()
-    assert found.differing == ()
-    assert len(found.differences) > 20
 
 
 # --- Their page -----------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from rich.console import Console
 
 import dogbot_logtool as dl
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
+from dogbot_logtool.core.records import to_json
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, finding_kinds
 from dogbot_logtool.reader.containers.loss import Damage, Loss
@@ -62,7 +63,10 @@ def valid_json(done: Measurement) -> dict[str, Any]:
     """The object as scripts get it: NaN is no JSON."""
     plain = stats_json(done)
     Draft202012Validator.check_schema(schema(WalkMetrics))
-    Draft202012Validator(schema(WalkMetrics)).validate(plain)
+    validator = Draft202012Validator(schema(WalkMetrics))
+    for document in (plain, to_json(done.metrics, detail=False)):
+        validator.validate(document)
+    assert not validator.is_valid({**plain, "spin": 1})
     loaded: dict[str, Any] = json.loads(json.dumps(plain, allow_nan=False))
     return loaded
 

@@ -12,6 +12,7 @@ from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
 from tests.truth.judging import Case, Tolerance
 from tests.truth.recording import on
+from tests.truth.scenes import OneAfterAnother, standing
 from tests.truth.walking import Walk
 from tests.truth.walks import BIPED, FORCE, NO_MASS, QUIET, ROUGH, TROT, WALK, WAVE
 
@@ -86,6 +87,7 @@ def flags() -> Iterator[Case]:
     hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
     flags, turned = foot.as_flags, foot.inverted()
     slow = Walk(gait=gaits.PRONK, speed_mps=0.3, period_s=0.8)
+    gallop = Walk(gait=gaits.ROTARY_GALLOP, speed_mps=2.0, period_s=0.5)
     bound = Walk(gait=gaits.BOUND, speed_mps=0.3, period_s=0.6, heaves=True)
     for name, walk in (("walk", WALK), ("trot", TROT), ("pronk", hop), ("slow pronk", slow),
                        ("slow bound", bound)):
@@ -103,6 +105,9 @@ def flags() -> Iterator[Case]:
          (pose.feet_in_base, turned)),
     ):
         yield Case(f"inverted flags, {name}", walk, faults, "FLAGS_INVERTED", skip=NO_FORCE)
+    # Feet that gallop are up for most of a stride: turned round, they would walk.
+    yield Case("inverted flags, gallop, then stand", OneAfterAnother((gallop, standing())),
+               (flags, turned), "FLAGS_INVERTED", skip=NO_FORCE)
 
 
 def others() -> Iterator[Case]:

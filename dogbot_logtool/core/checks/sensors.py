@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, aggregate, interpolated, median_of
+from dogbot_logtool.core.arrays import Floats, Ints, interpolated, median_of
 from dogbot_logtool.core.base.motion import down_spans
 from dogbot_logtool.core.checks.base import HALF, STAYS_M, feet_agree, rest_in_the_air
 from dogbot_logtool.core.gait.feet import FootSteps
@@ -40,7 +40,7 @@ def unloaded_levels(walk: Walk) -> Iterator[Finding]:
             unknown = f"feet.{name}.contact_fraction"
             yield found("CONTACT_UNKNOWN", where=unknown, feet=(name,), why=why)
         if level.reason:
-            if level.reason != why:
+            if not level.hides_contact:
                 say = "unknown"
                 yield found("SENSOR_OFFSET", say=say, where=where, foot=name, why=level.reason)
             continue
@@ -179,8 +179,6 @@ FREE_FALL: Final = 0.5
 """Share of gravity from which a base falls freely."""
 FALLS_S: Final = (0.03, 0.6)
 """s, how long a base that walks or runs falls, at least and at most."""
-DANGLES_S: Final = 1.0
-"""s without a foot on the ground; no gait flies for so long."""
 UNLIKE: Final = 0.3
 """By which the contact fraction of a foot differs from that of all others, if it is inverted."""
 ALIKE: Final = 0.08
@@ -234,9 +232,10 @@ def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
     hops |= _falls(walk, walk.support.in_flight)
     if is_short and walks and not hops and not feet_agree(walk):
         return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"
-    at = _dangles(walk, walk.support.in_flight)
-    if at is not None:
-        return f"no foot would be down from {walk.seconds(at)[0]:.1f} s on, while the base stands"
+    for span in walk.standing.lifted:
+        if _is_as_high_as_in_steps(walk, span):
+            at = walk.seconds(span)[0]
+            return f"no foot would be down from {at:.1f} s on, while the base stands"
     return ""
 
 
@@ -253,19 +252,14 @@ def _falls(walk: Walk, spans: Ints) -> bool:
     return float(bends_m @ falls_m) > FREE_FALL * float(falls_m @ falls_m)
 
 
-def _dangles(walk: Walk, in_flight: Ints) -> Ints | None:
-    """Return a long time without contact in which the base stands as high as in its steps."""
-    poses = walk.poses
-    height = aggregate(
-        poses.position[timespans.covers(timespans.merge(walk.strides), poses.time), 2]
-    )
-    for span in in_flight[in_flight[:, 1] - in_flight[:, 0] > DANGLES_S * 1e9]:
-        inside = poses.position[timespans.covers(span[None], poses.time)]
-        if height is None or len(inside) < 2 or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:
-            continue
-        if abs(float(median_of(inside[:, 2])) - height.median) < STAYS_M:
-            return np.asarray(span)
-    return None
+def _is_as_high_as_in_steps(walk: Walk, span: Ints) -> bool:
+    """Tell whether the base stays in its place in a span, ns, as high as while the feet step."""
+    time, position = walk.poses.time, walk.poses.position
+    inside = position[timespans.covers(span[None], time)]
+    height = position[timespans.covers(timespans.merge(walk.strides), time), 2]
+    if len(inside) < 2 or not len(height) or np.ptp(inside[:, :2], axis=0).max() > STAYS_M:
+        return False
+    return bool(abs(median_of(inside[:, 2]) - median_of(height)) < STAYS_M)
 
 
 def _odd_feet(walk: Walk) -> Iterator[str]:

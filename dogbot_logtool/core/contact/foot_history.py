@@ -11,7 +11,7 @@ and again. Two thresholds and minimum durations are practice in biomechanics (Ki
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -36,7 +36,40 @@ from dogbot_logtool.core.contact.stances import (
     stance_figures,
 )
 from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
-from dogbot_logtool.core.corrections.sensor import ContactRule
+from dogbot_logtool.core.corrections.sensor import Origin
+
+ANY_FORCE_N: Final = 1e-9
+"""Threshold where no force was ever seen, so that nothing tells what a load is."""
+DEBOUNCE_S: Final = 0.020
+
+
+class ContactRule(NamedTuple):
+    """The thresholds of contact."""
+
+    on_n: float
+    """N: |F| from which a foot is in contact."""
+    off_n: float
+    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
+    debounce_s: float
+    """s: shorter swings are filled, then shorter stances dropped."""
+    brief_s: float | None = None
+    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
+    origin: Origin = "default"
+    """The origin of the thresholds."""
+    by_flag: bool = False
+    """Whether the message's own contact flag decides, whatever the force."""
+    unusable: str = ""
+    """Why the sensor cannot tell contact; empty: it can."""
+
+
+class Thresholds(NamedTuple):
+    """The settings of contact by a user or the robot's file; None: not given."""
+
+    on_n: float | None = None
+    off_n: float | None = None
+    debounce_s: float | None = None
+    origin: Origin = "option"
+
 
 _SAME: Final = 1e-6
 """Difference of two forces, as a share of them, that is none: they have 24 bits."""

@@ -1,8 +1,10 @@
 """The level that a force sensor reads without load, with its noise, drift and limits.
 
 A simulated sensor reads exactly zero in swing. A real one reads tens of newtons of either sign,
-drifts and is noisy. In a walk a foot's forces have two modes, swing and stance (`modes.py`); where
-nothing tells which is which, as where weight is shifted in a stand, the level stays unknown.
+drifts and is noisy. In a walk a foot's forces have two modes, swing and stance. The swing mode is
+narrow against the distance between both and is visited once a stride, and its visits agree with
+each other. Where nothing tells which is which, as where weight is shifted in a stand, the level
+stays unknown.
 The level is that of the swings around each moment, so that it may drift, or be re-zeroed.
 """
 
@@ -18,36 +20,56 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     distinct,
-    flagged_runs,
+    interpolated,
+    latched,
     median_of,
     median_of_known,
     norms,
     percentiles_of,
-)
-from dogbot_logtool.core.corrections.modes import (
-    MIDDLE_SHARE,
-    NOISY,
-    ONCE,
-    PLAIN_OFFSET,
-    Modes,
-    both_ways,
-    strays,
-    visit_medians,
-    visit_quantiles,
+    quantiles,
+    rows_of_runs,
+    runs_of,
+    sorted_runs,
 )
 
-Origin = Literal["option", "robot", "estimated", "default"]
-"""The origin of a setting."""
+FEWEST_VISITS: Final = 2
+"""Swings that must agree on a level."""
+NARROW: Final = 0.25
+"""Widest swing mode, as a share of the distance between both modes."""
+WIDER: Final = 3.0
+"""A stance mode wider by this factor tells swing and stance apart wherever they lie."""
+PLAIN_OFFSET: Final = 0.15
+"""Largest offset towards the load, as a share of the distance, of modes that are equally wide."""
+CONSTANT: Final = "the force never changes"
+"""Reason of a level that is not known since all samples are alike."""
+ALTERNATE: Final = "two loads alternate, which may be weight that is shifted in a stand"
+"""Reason of a level that is not known since nothing tells a light load from none."""
+WIDE: Final = "no narrow unloaded mode: the foot may never be off the ground"
+"""Reason of a level that is not known since the forces of swing differ by much."""
+ONCE: Final = "the foot is seen unloaded fewer than twice"
+"""Reason of a level that is not known since no second swing confirms it."""
+_CUT_OFF: Final = 0.2
+"""Part of a visit at either end that is on the way between the modes, and not used."""
+MIDDLE_SHARE: Final = 1.0 - 2.0 * _CUT_OFF
+_FEWEST_ROWS: Final = 3
+"""Samples in a visit; shorter ones are brushes and flicker."""
+_ROUNDS: Final = 5
+_ENTER, _LEAVE = 0.1, 0.35
+"""Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
+first, and ends above the second."""
+_BINS: Final = 128
 
 FEWEST_SAMPLES: Final = 20
-CLEAR_OF_NOISE: Final = 5.0
-"""Least distance between both modes, in standard deviations of the noise."""
 DROPOUTS: Final = 3
 """Lone zeros under load that make a sensor one that drops out."""
 CLEAR: Final = 3.0
 """Lead in score from which it is told which way a load turns what a sensor reads."""
 SURE: Final = 6.0
 """Lead from which that is certain, whatever the weight says."""
+STEPS_UNCLEAR: Final = frozenset({ALTERNATE, WIDE})
+"""Reasons of an unknown level with which a load that comes and goes is no sure contact."""
+LIGHTEST: Final = 0.08
+"""Share of the usual load below which the lightest samples may be those of swing."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
 AROUND: Final = 9
 """Swings around each moment whose median is the level."""
@@ -61,27 +83,28 @@ _FEWEST_FOR_DRIFT: Final = 8
 _NORMAL_SD: Final = 1.4826
 """Standard deviation over median absolute deviation, of a normal distribution."""
 
-IN_RUNS: Final = 0.25
-"""Share of the zeros that stand in runs of three and more in a sensor that reads zero in swing;
-messages that are lost here and there make single zeros."""
-LIGHT: Final = 0.05
-"""Share of the usual load below which a sample counts as light."""
+LIGHT: Final = 0.35
+"""Share of the usual load below which a sample may be one of swing."""
 PULL: Final = 0.02
 """Share of the usual load by which no ground can pull at a foot."""
-LIGHTLY: Final = 0.35
-"""Times the usual load: a reading in swing stays below."""
 PULLS: Final = 0.1
 """Share of the zeros from which so many such pulls make a sensor that does not rest at zero."""
 
-SATURATED_SAMPLES: Final = 3
-"""Samples in a row at the very same highest force that make a flat top."""
-STEEP: Final = 10.0
-"""Steps of the sensor's resolution beyond which the rise to its limit is steep. The round top of a
-force that is recorded in steps is flat for m samples and at most 8 steps lower m samples before."""
-SATURATED_STANCES: Final = 3
-"""Stances with the same flat top that make a saturated sensor."""
-FAR_FROM_SWING: Final = 0.5
-"""Share of the usual load that a limit is from the unloaded level; else it is that of swing."""
+MOVED: Final = 0.1
+"""Share of the usual load by which a level that was not re-zeroed may change from swing to swing,
+and by which the lightest loads of a few strides may lie off it."""
+MOVED_NOISES: Final = 5.0
+"""The same in standard deviations of the noise."""
+_STRIDES: Final = 4.0
+"""Strides of which the lightest loads are compared with the level."""
+_SWINGS_A_STRIDE: Final = 3.0
+"""Strides last about so many swings."""
+_LOW, _HIGH = 0.08, 0.92
+"""Quantiles of such strides that are those of swing and of stance."""
+STEPS: Final = "what it reads without load steps or strays in the log, as where it was re-zeroed"
+
+Origin = Literal["option", "robot", "estimated", "default"]
+"""The origin of a setting."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -118,13 +141,10 @@ class SensorLevel:
     """Whether single samples are zero under load, as where messages are lost on a sensor's bus."""
     reason: str = ""
     """Why the level could not be estimated; empty where it is known."""
-    lightest_n: float | None = None
-    """N, magnitude that the lightest samples stay below; only where the level is not known."""
     lead: float = 0.0
     """How much better swing and stance fit than if load changed readings the other way."""
-    refuted: bool = False
-    """Whether nothing is known although swings and stances are seen; zero cannot be assumed
-    either."""
+    hides_contact: bool = False
+    """Whether zero cannot be assumed where the level is not known, since load comes and goes."""
 
     @property
     def offset_n(self) -> Floats:
@@ -133,44 +153,32 @@ class SensorLevel:
 
     def offset_at(self, log_time: Ints) -> Floats:
         """Return the offset at some log times, ns, (n,); (n, 3) N."""
-        if len(self.knots) == 1:
-            return np.broadcast_to(self.offset[0], (len(log_time), 3))
-        since = (log_time - self.knots[0]).astype(np.float64)
-        knots = (self.knots - self.knots[0]).astype(np.float64)
-        return np.stack([np.interp(since, knots, part) for part in self.offset.T], axis=1)
+        return interpolated(log_time, self.knots, self.offset)
 
 
-ANY_FORCE_N: Final = 1e-9
-"""Threshold where no force was ever seen, so that nothing tells what a load is."""
-DEBOUNCE_S: Final = 0.020
+class Modes(NamedTuple):
+    """Swing and stance of a foot, if the lower values are those of swing.
 
+    A visit is a run of samples near one mode, without its ends: first row, and row after the last.
+    """
 
-class ContactRule(NamedTuple):
-    """The thresholds of contact."""
-
-    on_n: float
-    """N: |F| from which a foot is in contact."""
-    off_n: float
-    """N: |F| below which contact ends; it always ends at 0. 0: only there."""
-    debounce_s: float
-    """s: shorter swings are filled, then shorter stances dropped."""
-    brief_s: float | None = None
-    """s: so are shorter swings, and those in which the foot bounces; None: they are not."""
-    origin: Origin = "default"
-    """The origin of the thresholds."""
-    by_flag: bool = False
-    """Whether the message's own contact flag decides, whatever the force."""
-    unusable: str = ""
-    """Why the sensor cannot tell contact; empty: it can."""
-
-
-class Thresholds(NamedTuple):
-    """The settings of contact by a user or the robot's file; None: not given."""
-
-    on_n: float | None = None
-    off_n: float | None = None
-    debounce_s: float | None = None
-    origin: Origin = "option"
+    swings: Ints
+    """(v, 2) visits to the lower mode."""
+    stances: Ints
+    """(w, 2) visits to the higher one."""
+    rest: Ints
+    """(r, 2) swings without the rise to stance at their ends."""
+    raises: bool
+    """Whether load raises what the sensor reads, for swing to be the lower mode."""
+    swing: float = 0.0
+    """N, level of the lower mode; also `stance`, of the higher one."""
+    stance: float = 0.0
+    width: float = 0.0
+    """N, usual range of 80 % of the samples in a swing, and between one swing and the next."""
+    fit: float = -np.inf
+    """How well it fits that these are swing and stance."""
+    reason: str = ""
+    """Why they are not clear; empty: they are."""
 
 
 def estimate_level(
@@ -185,8 +193,8 @@ def estimate_level(
     """
     finite = all_finite(force)
     log_time, force = log_time[finite], force[finite]
-    if len(force) and (zero := zero_level(force)):
-        return zero
+    if _rests_at_zero(force):
+        return zero_level(force)
     if len(force) < FEWEST_SAMPLES:
         return _unknown("too few samples", force)
     axis = load_axis(force)
@@ -194,75 +202,60 @@ def estimate_level(
     first, second = sorted(both, key=lambda modes: modes.fit, reverse=True)
     lead = first.fit - second.fit
     if not first.reason and lead >= CLEAR:
-        level = level_of(first, log_time, force, axis)
-        is_noisy = (level.loaded_n or 0.0) < CLEAR_OF_NOISE * (level.noise_n or 0.0)
-        return _unknown(NOISY, force) if is_noisy else replace(level, lead=lead)
+        level = replace(level_of(first, log_time, force, axis), lead=lead)
+        load = (force - level.offset_at(log_time)) @ axis
+        return level if _is_steady(level, log_time, load) else refuted(STEPS)
     for modes in (first, second):
         if modes.reason == ONCE:
             # The one swing tells how far the unloaded sensor strays.
             wobble_n = level_of(modes, log_time, force, axis).wobble_n
             return replace(_unknown(ONCE, force), wobble_n=wobble_n)
-    is_unclear = first.reason and second.reason
-    return _unknown(first.reason, force) if is_unclear else refuted_level(TURNED)
+    if first.reason and second.reason:
+        return _unknown(first.reason, force)
+    return refuted(TURNED)
 
 
-def refuted_level(why: str) -> SensorLevel:
-    """Return what is left of a level that cannot be right."""
-    return SensorLevel(reason=why, refuted=True)
-
-
-def zero_level(force: Floats) -> SensorLevel | None:
-    """Return the level of a sensor that reads exactly zero in swing; None: it does not.
+def zero_level(force: Floats) -> SensorLevel:
+    """Return the level of a sensor that reads exactly zero, or lists no contact, in swing.
 
     Args:
         force: (n, 3) N, finite.
     """
     magnitude = norms(force)
-    if not _rests_at_zero(force, magnitude):
-        return None
-    loaded = float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None
-    return SensorLevel(
+    level = SensorLevel(
         zero_in_swing=True,
-        noise_n=0.0,
-        drift_n_per_min=0.0,
-        loaded_n=loaded,
-        limit_n=_limit_n(force, np.zeros(3), loaded) if loaded else None,
-        mean_n=float(magnitude.mean()),
-        origin="estimated",
+        loaded_n=float(median_of(magnitude[magnitude > 0.0])) if magnitude.any() else None,
+        mean_n=float(magnitude.mean()) if len(magnitude) else None,
     )
+    if magnitude.all():
+        # The foot is never seen in the air.
+        return level
+    return replace(level, noise_n=0.0, drift_n_per_min=0.0, origin="estimated")
 
 
-def _rests_at_zero(force: Floats, magnitude: Floats) -> bool:
-    """Tell whether a sensor reads exactly zero where its load is light.
+def _rests_at_zero(force: Floats) -> bool:
+    """Tell whether a sensor reads exactly zero in most of its swings.
+
+    One that has died does so once, and one that sticks until its first stance.
 
     Args:
         force: (n, 3) N, finite.
-        magnitude: (n,) N.
     """
+    magnitude = norms(force)
     zero = magnitude == 0.0
-    if _in_runs(zero).sum() <= IN_RUNS * zero.sum():
-        return False
     if zero.all():
-        return True
+        return len(zero) > 0
     usual = median_of(magnitude[~zero])
     light = magnitude < LIGHT * usual
     # One that counts in steps may also read less than nothing. Full loads the other way are those
     # of a sensor that turns with its link.
     load = force @ force.mean(axis=0)
-    pulled = (load < -PULL * median_of(load[~zero])) & (magnitude < LIGHTLY * usual)
-    if 2 * zero.sum() < light.sum() or pulled.sum() > PULLS * zero.sum():
+    pulled = (load < -PULL * median_of(load[~zero])) & light
+    if pulled.sum() > PULLS * zero.sum():
         return False
-    # A sensor that has died reads zero in one visit.
     visit = np.cumsum(light & ~np.concatenate([[False], light[:-1]]))
-    at_zero, visits = (
-        np.count_nonzero(np.bincount(visit[_in_runs(each)])) for each in (zero, light)
-    )
-    if at_zero == visits == 1:
-        # Loads with a clear swing mode of their own are those of a sensor that sticks or creeps.
-        loads = magnitude[~zero]
-        if not both_ways(loads, np.zeros(len(loads), np.int64))[0].reason:
-            return False
-    return bool(2 * at_zero >= visits)
+    at_zero, visits = (len(distinct(visit[_in_runs(each)])) for each in (zero, light))
+    return 0 < visits <= 2 * at_zero
 
 
 def _in_runs(flags: Flags) -> Flags:
@@ -274,17 +267,43 @@ def _in_runs(flags: Flags) -> Flags:
     return within
 
 
+def refuted(why: str) -> SensorLevel:
+    """Return what is left of a level that cannot be right."""
+    return SensorLevel(reason=why, hides_contact=True)
+
+
+def _is_steady(level: SensorLevel, log_time: Ints, load: Floats) -> bool:
+    """Tell whether a level makes no step, and the lightest loads lie at it throughout.
+
+    Args:
+        level: of the sensor, known.
+        log_time: (n,) ns.
+        load: (n,) N, along the axis of the load, without the offset.
+    """
+    loaded = level.loaded_n or 0.0
+    limit = max(MOVED * loaded, MOVED_NOISES * (level.noise_n or 0.0), level.wobble_n)
+    if (norms(np.diff(level.offset, axis=0)) > limit).any():
+        return False
+    window_ns = max(round(_STRIDES * _SWINGS_A_STRIDE * (level.swing_s or 0.0) * 1e9), 1)
+    first, count = runs_of((log_time - log_time[0]) // window_ns)
+    ordered = sorted_runs(without_spikes(load), first)
+    low, high = (quantiles(ordered, first, first + count, share) for share in (_LOW, _HIGH))
+    strays = np.minimum(np.abs(low), np.abs(high)) > limit
+    return not (strays & (high - low > limit + loaded / 2.0)).any()
+
+
 def _unknown(reason: str, force: Floats) -> SensorLevel:
     """Return the level of a sensor that does not show it; its noise shows between samples."""
     if not len(force):
         return SensorLevel(reason=reason)
     usual = float(percentiles_of(norms(force), 75.0))
-    level = SensorLevel(loaded_n=usual, mean_n=usual, reason=reason)
+    level = SensorLevel(loaded_n=usual, reason=reason)
     if len(force) < FEWEST_SAMPLES:
         return level
-    lightest = float(percentiles_of(without_spikes(norms(force)), 3.0))
     noise = _noisiest_sd(np.diff(force, axis=0)) / np.sqrt(2.0)
-    return replace(level, noise_n=noise, lightest_n=lightest)
+    lightest = float(percentiles_of(without_spikes(norms(force)), 3.0))
+    comes_and_goes = lightest < max(LIGHTEST * usual, 3.0 * noise)
+    return replace(level, noise_n=noise, hides_contact=comes_and_goes and reason in STEPS_UNCLEAR)
 
 
 def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> SensorLevel:
@@ -324,7 +343,6 @@ def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> Senso
         loaded_n=loaded,
         mean_n=float(load.mean()),
         mean_recorded_n=float(np.linalg.norm(force.mean(axis=0))),
-        limit_n=_limit_n(force, level.offset_n, loaded),
         drops_out=int(lost.sum()) >= DROPOUTS,
     )
 
@@ -370,30 +388,133 @@ def _noisiest_sd(residual: Floats) -> float:
     return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
 
 
-def _limit_n(force: Floats, offset_n: Floats, loaded_n: float) -> float | None:
-    """Return the value at which an axis of a sensor is cut off, N; None: none is.
+def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
+    """Find swing and stance in the forces along the load's axis, swing being the lower.
 
     Args:
-        force: (n, 3) N, as recorded.
-        offset_n: (3,) N, what the sensor reads without load.
-        loaded_n: N, the usual load.
+        values: (n,) N.
+        runs: (n,) numbers; samples with the same one have no silence between them.
+        raises: whether load raises what the sensor reads, if these are swing and stance.
     """
-    for axis, sign in ((axis, sign) for axis in range(3) for sign in (1.0, -1.0)):
-        values = sign * force[:, axis]
-        limit = float(values.max())
-        is_far = limit - sign * offset_n[axis] > FAR_FROM_SWING * loaded_n
-        if is_far and _flat_tops(values, limit) >= SATURATED_STANCES:
-            return sign * limit
-    return None
+    low, peak, high = percentiles_of(values, [1.0, 95.0, 99.0])
+    none = np.empty((0, 2), np.int64)
+    if high <= low:
+        return Modes(none, none, none, raises, reason=CONSTANT)
+    enter = leave = _otsu(np.clip(values, low, high))
+    for _ in range(_ROUNDS):
+        below = _hysteresis(values, enter, leave)
+        swings, stances = _visits(below, runs), _visits(~below, runs)
+        swing, width = _mode(values, swings)
+        enter, leave = (swing + share * (peak - swing) for share in (_ENTER, _LEAVE))
+    stance, _ = _mode(values, stances)
+    # From the first to the last sample below `enter` that none above `leave` parts.
+    low_rows = _hysteresis(values, enter, leave) & _hysteresis(values[::-1], enter, leave)[::-1]
+    return Modes(swings, stances, _visits(low_rows, runs), raises, swing, stance, width)
 
 
-def _flat_tops(values: Floats, limit: float) -> int:
-    """Return how often values rise steeply to a limit, and stay there."""
-    tops = flagged_runs(values == limit)
-    start, length = tops[:, 0], tops[:, 1] - tops[:, 0]
-    flat = length >= SATURATED_SAMPLES
-    if flat.sum() < SATURATED_STANCES:
-        return 0
-    start, length = start[flat], length[flat]
-    rise = limit - values[np.maximum(start - length, 0)]
-    return int((rise > STEEP * np.diff(distinct(values)).min()).sum())
+def both_ways(
+    values: Floats, runs: Ints, plain_offset: float = PLAIN_OFFSET
+) -> tuple[Modes, Modes]:
+    """Find swing and stance if load raises the forces along its axis, and if it lowers them.
+
+    Args:
+        values: (n,) N.
+        runs: (n,) numbers; samples with the same one have no silence between them.
+        plain_offset: offset up to which modes that are equally wide are clear, as `PLAIN_OFFSET`.
+    """
+    up, down = (two_modes(sign * values, runs, raises=sign > 0.0) for sign in (1.0, -1.0))
+    return _judged(up, down.width, plain_offset), _judged(down, up.width, plain_offset)
+
+
+def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
+    """Decide whether two modes are swing and stance, and how well they look like it.
+
+    Args:
+        modes: what may be swing and stance.
+        other_width: N, of the narrow mode if swing were stance and stance were swing.
+        plain_offset: as in `both_ways`.
+    """
+    if modes.reason:
+        return modes
+    swing, stance, distance = modes.swing, modes.stance, modes.stance - modes.swing
+    floor = 1e-3 * distance
+    wider = (other_width + floor) / (modes.width + floor)
+    # Sensors are usually mounted so that a load raises their value, and offsets are smaller
+    # than loads; both are habits. A foot that swings may feel its inertia, which widens swing.
+    nearer_zero = max(abs(stance) / max(abs(swing), floor), 1e-9)
+    fit = float(np.clip(np.log2(wider), -4.0, 4.0) + np.clip(np.log2(nearer_zero), -3.0, 3.0))
+    fit += 0.5 * modes.raises
+    # Weight cannot pull, so that a level on the other side of zero than the load is unloaded.
+    pulls = swing < -modes.width and stance > 0.0
+    plain = swing <= plain_offset * distance and (modes.raises or stance > 0.0)
+    reason = ""
+    if len(modes.swings) < FEWEST_VISITS and not pulls:
+        reason = ONCE
+    elif modes.width > NARROW * distance:
+        reason = WIDE
+    elif wider < WIDER and not plain:
+        reason = ALTERNATE
+    return modes._replace(fit=fit, reason=reason)
+
+
+def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:
+    """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
+    rows, _, first = rows_of_runs(*visits.T)
+    ordered = sorted_runs(values[rows], first)
+    within = np.round((np.diff(visits) - 1) * np.array(shares)).astype(np.int64)
+    return np.asarray(ordered[first[:, None] + within])
+
+
+def visit_medians(values: Floats, visits: Ints) -> Floats:
+    """(v, k): median of each visit's values, (n, k)."""
+    return np.column_stack([visit_quantiles(part, visits, 0.5) for part in values.T])
+
+
+def strays(values: Floats, visits: Ints) -> tuple[Floats, Ints]:
+    """(m, k) how far each sample, of (n, k), is from the median of its visit; (m,) its row."""
+    rows, run, _ = rows_of_runs(*visits.T)
+    return np.asarray(values[rows] - visit_medians(values, visits)[run]), rows
+
+
+def _otsu(values: Floats) -> float:
+    """Return the value that parts two classes best (Otsu 1979, IEEE Trans. SMC 9:62)."""
+    counts, edges = np.histogram(values, _BINS)
+    middles = (edges[:-1] + edges[1:]) / 2.0
+    below = np.cumsum(counts)[:-1]
+    above = len(values) - below
+    sum_below = np.cumsum(counts * middles)[:-1]
+    mean_below = sum_below / np.maximum(below, 1)
+    mean_above = ((counts * middles).sum() - sum_below) / np.maximum(above, 1)
+    between = below * above * (mean_above - mean_below) ** 2
+    best = np.flatnonzero(between >= between.max() * (1.0 - 1e-9))
+    return float(edges[1:][best].mean())
+
+
+def _hysteresis(values: Floats, enter: float, leave: float) -> Flags:
+    """(n,): below from `enter` down, until above `leave`."""
+    return latched(values <= enter, values > leave)
+
+
+def _visits(flags: Flags, runs: Ints) -> Ints:
+    """(v, 2) rows of the middles of the runs of flagged samples."""
+    key = np.where(flags, runs + 1, 0)
+    edges = np.flatnonzero(np.diff(key, prepend=0, append=0))
+    flagged = np.flatnonzero(key[edges[:-1]] > 0)
+    start, end = edges[flagged], edges[flagged + 1]
+    long = end - start >= _FEWEST_ROWS
+    if long.any():
+        start, end = start[long], end[long]
+    cut = ((end - start) * _CUT_OFF).astype(np.int64)
+    return np.stack([start + cut, np.maximum(end - cut, start + cut + 1)], axis=1)
+
+
+def _mode(values: Floats, visits: Ints) -> tuple[float, float]:
+    """Return level and width, N, of the mode of some visits; each counts once, however long."""
+    low, level, high = visit_quantiles(values, visits, 0.1, 0.5, 0.9).T
+    between = float(median_of(np.abs(np.diff(level)))) if len(level) > 1 else 0.0
+    # The median of the shortest interval that holds half of the visits.
+    ordered = np.sort(level)
+    half = len(ordered) // 2 + 1
+    first = int((ordered[half - 1 :] - ordered[: len(ordered) - half + 1]).argmin())
+    densest = float(median_of(ordered[first : first + half]))
+    return densest, float(median_of(high - low)) + between

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from dogbot_logtool.core.analysis import FindLegs
 from dogbot_logtool.core.base.poses import scaled
+from dogbot_logtool.core.contact.foot_history import Thresholds
 from dogbot_logtool.core.corrected import Corrected, on_one_clock, poses_of_base
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.sensor import Thresholds
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
@@ -197,6 +197,8 @@ def prepare(
 
         found = read_model(log, options.urdf)
         model = found.robot
+        if model is None and not found.call:
+            whole = (*whole, Finding("ROBOT_DESCRIPTION", found.why_none))
         recording, selection = measured_by_legs(recording, selection, found)
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
