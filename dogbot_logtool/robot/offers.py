@@ -105,7 +105,8 @@ def unreadable_findings(
     for (is_error, reason), topics in sorted(lost.items()):
         yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
     for encoding, topics in unknown.items() if not (contacts or lost) else ():
-        yield _about(topics, f"messages encoded as {encoding!r} are not read", ("not_needed",))
+        text = f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
+        yield _about(topics, text, ("not_needed",))
 
 
 def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:

@@ -161,16 +161,18 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
     """Return the robot that the user names, else the known one whose topics the log has."""
     if options.robot is not None:
         return load_robot(options.robot).with_mass(options.mass)
-    topics, recorded = set(_usable_topics(log)), log.channels_by_topic
-    known = []
+    usable, recorded = _usable_topics(log), log.channels_by_topic
+    robot, most = load_robot(GENERIC), 0
     for name in known_robots():
         # Without parsing its file, whether a known robot may have one of the topics.
-        if name == GENERIC or any(topic in robot_toml(name) for topic in recorded):
-            robot = load_robot(name)
-            fields = [any(has_field(c, f) for c in recorded.get(f.topic, ())) for f in robot.feet]
-            topics |= robot.topics if fields and all(fields) else set()
-            known.append(robot)
-    robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
+        if not any(topic in robot_toml(name) for topic in recorded):
+            continue
+        known = load_robot(name)
+        fields = [foot for foot in known.feet if foot.field is not None]
+        fits = all(any(has_field(c, f) for c in recorded.get(f.topic, ())) for f in fields)
+        topics = known.topics & usable.union(foot.topic for foot in fields)
+        if fits and len(topics) > most:
+            robot, most = known, len(topics)
     findings.append(found("ROBOT_GUESSED", robot=robot.name))
     return robot.with_mass(options.mass)
 

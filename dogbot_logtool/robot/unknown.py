@@ -25,7 +25,7 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.robot.names import FootSet, Mark, leg_position, name_feet
 from dogbot_logtool.robot.topics import has_field, message_count
-from dogbot_logtool.robot.words import MERITS, Part, parts_of, texts_of, word_set, words_of
+from dogbot_logtool.robot.words import Part, parts_of, texts_of, word_set, words_of
 
 CONTACT_WORDS: Final = word_set("contact contacts grf stance touch touches ground")
 FORCE_WORDS: Final = word_set(
@@ -87,12 +87,7 @@ def find_candidates(log: Log) -> list[FootSet]:
     columns = _read_fields(log, named)
     judged = (with_content(one, _present(one, columns)) for one in named)
     likely = [one for one in judged if one is not None and one.points >= _ENOUGH]
-    kept: list[FootSet] = []
-    for one in sorted(likely, key=lambda one: -one.points):
-        words = {foot.word for foot in one.feet}
-        if not any(words <= {foot.word for foot in other.feet} for other in kept):
-            kept.append(one)
-    return kept
+    return sorted(likely, key=lambda one: -one.points)
 
 
 # By names
@@ -245,9 +240,6 @@ def name_marks(names: Collection[str], type_name: str, rate_hz: float | None) ->
         yield (-_OTHER_PART if parts & {Part.FOOT, Part.LEG} else -_NEVER), ""
     if texts & (CONTACT_WORDS | FORCE_WORDS):
         yield 1, "of contact or force"
-    merit = min((MERITS.get(text, 0) for text in texts), default=0)
-    if merit < -1:
-        yield merit, "they are named as planned or set, not measured"
     if rate_hz is not None:
         points = 1 if rate_hz >= _FAST_HZ else -2 if rate_hz < _SLOW_HZ else 0
         yield points, f"{rate_hz:.0f} messages a second"
@@ -301,13 +293,9 @@ def _in_time(down: Flags) -> Iterator[Mark]:
     stepping = np.count_nonzero(changes > 1)
     if stepping == feet:
         yield 2, f"all {feet} go on and off, {changes.min()} times and more"
-    else:
-        yield (-1 if stepping else -3), f"only {stepping} of {feet} go on and off"
-    alike = [(down[:, i] == down[:, k]).mean() for i in range(feet) for k in range(i)]
+    alike = min((down[:, i] == down[:, k]).mean() for i in range(feet) for k in range(i))
     some, every = float(down.any(axis=1).mean()), float(down.all(axis=1).mean())
-    if not alike or min(alike) > _SAME:
-        yield -2, "all are the same signal"
-    elif some >= _FEWEST_DOWN and every < some:
+    if alike <= _SAME and some >= _FEWEST_DOWN and every < some:
         yield 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
 
 

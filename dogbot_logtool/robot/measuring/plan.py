@@ -197,6 +197,8 @@ def prepare(
 
         found = read_model(log, options.urdf)
         model = found.robot
+        if model is None and not found.call:
+            whole = (*whole, Finding("ROBOT_DESCRIPTION", found.why_none))
         recording, selection = measured_by_legs(recording, selection, found)
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted
