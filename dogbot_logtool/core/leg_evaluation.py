@@ -52,11 +52,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         walk: all other figures.
         settings: sources of the legs.
     """
-    joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
-    following = {each.name for each in settings.joints if each.source}
-    for name, joint in joints.items():
-        foot = settings.foot_of_joint.get(name)
-        joints[name] = joint._replace(foot=foot, follows=name in following)
+    joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
     links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links
