@@ -10,8 +10,8 @@ from dogbot_logtool.api.walk import Walk
 from dogbot_logtool.cli.call import Call, refuse_given
 from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.output import output_file, refuse_no_name, whole_file
-from dogbot_logtool.io.storage import Location, location, name_of
+from dogbot_logtool.io.output import output_at, output_file, whole_file
+from dogbot_logtool.io.storage import Location, name_of
 from dogbot_logtool.options.export import Export
 from dogbot_logtool.report.tables import TableFile
 from dogbot_logtool.results import Measurement
@@ -67,8 +67,8 @@ def _dataset(call: Call, logs: LogSet, options: Export, name: str) -> NoReturn:
     from dogbot_logtool.report.text.console import diagnostics  # noqa: PLC0415
     from dogbot_logtool.report.text.written_text import print_dataset  # noqa: PLC0415
 
-    refuse_no_name(name)
-    dataset = dataset_at(location(name).absolute(), options, parse_labels(options.label))
+    root = output_at(name, "", several=True).path.absolute()
+    dataset = dataset_at(root, options, parse_labels(options.label))
     pending = dataset.begin(logs, prune=options.prune)
     call.add_unchanged(pending.unchanged)
     counts = Counter(unchanged=len(pending.unchanged))

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints
+from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints, trapezoids
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.leg_position import LegPosition
@@ -147,6 +147,37 @@ def vertical_is_known(foot: FootHistory) -> bool:
     loaded = timespans.total(foot.in_contact)
     unknown = timespans.intersect([foot.in_contact, foot.track.vertical_unknown])
     return loaded > 0 and timespans.total(unknown) <= (1.0 - ENOUGH) * loaded
+
+
+def fore_aft_ns(foot: FootHistory, heading: Floats) -> Floats:
+    """Integrate the braking and the propulsive part of the force over each stance.
+
+    Each sample counts by its own sign.
+
+    Args:
+        foot: its history.
+        heading: (stances,) rad, of the robot's forward axis in the middle of each stance.
+
+    Returns:
+        (2, stances) N s, at least 0, what slows the robot, and what drives it forward; NaN where
+        direction or heading is not known.
+    """
+    track, stances = foot.track, foot.stances
+    impulses = np.full((2, len(heading)), np.nan)
+    known = np.isfinite(heading) & np.isfinite(stances.figures.mean_vertical_force_n)
+    if not known.any():
+        return impulses
+    before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
+    # A foot that stopped to speak in a stance has no sample at its end.
+    behind = np.searchsorted(track.time, stances.liftoff[known]).clip(max=len(track.time) - 1)
+    begin, end = track.time[before], track.time[behind]
+    stance = np.maximum(np.searchsorted(begin, track.time, side="right") - 1, 0)
+    x, y = np.nan_to_num(track.horizontal_force).T
+    along = x * np.cos(heading[known])[stance] + y * np.sin(heading[known])[stance]
+    parts = np.stack([np.maximum(-along, 0.0), np.maximum(along, 0.0)], axis=1)
+    total = Integral(track.time, trapezoids(np.diff(track.time) / 1e9, parts))
+    impulses[:, known] = total.added(begin, end).T
+    return impulses
 
 
 def vertical_impulse_ns(foot: FootHistory, within: Ints) -> float | None:

@@ -175,7 +175,7 @@ def output_at(word: str | None, ending: str, *, several: bool) -> Output:
 
     Args:
         word: as given; None: the current directory.
-        ending: that results have, such as ``.report.html``.
+        ending: that results have, such as ``.report.html``; empty: any.
         several: see `may_be_several`.
 
     Raises:
@@ -184,16 +184,22 @@ def output_at(word: str | None, ending: str, *, several: bool) -> Output:
     """
     if word is None:
         return Output(Path(), is_folder=True)
-    refuse_no_name(word)
+    if not word:
+        raise CallError("an empty name names no output; is a variable of the shell empty?")
+    if word == "-":
+        raise CallError("-: does not stand for stdout here; name a file")
     path = storage.location(word)
-    if ends_in_slash(word) or (isinstance(path, Path) and storage.is_folder(path)):
+    is_on_disk = isinstance(path, Path)
+    if word.endswith(("/", os.sep)) or (is_on_disk and storage.is_folder(path)):
         return Output(path, is_folder=True)
-    suffix = "." + ending.rpartition(".")[2]
+    suffix = ending[ending.rfind(".") :]
     _refuse_other_format(path, suffix)
-    is_file = path.suffix == suffix or (not several and isinstance(path, Path))
-    if is_file:
-        _refuse_no_folder(path)
-    return Output(path, is_folder=not is_file)
+    is_named_so = suffix != "" and path.suffix == suffix
+    if not is_named_so and (several or not is_on_disk):
+        return Output(path, is_folder=True)
+    if is_on_disk and not path.parent.exists():
+        raise CallError(f"{path.parent}: no such folder")
+    return Output(path, is_folder=False)
 
 
 def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
@@ -222,32 +228,11 @@ def output_file(
     """
     if word is None:
         return None
-    refuse_no_name(word)
-    if ends_in_slash(word):
-        raise CallError(f"{word}: is a directory's name; name a file in it")
-    path = Path(word)
-    _refuse_other_format(path, suffix)
-    _refuse_no_folder(path)
+    path, is_folder = output_at(word, suffix, several=False)
+    if is_folder or not isinstance(path, Path):
+        raise CallError(f"{word}: is a directory's name, or a URL; name a file of this disk")
     refuse_bad_target(path, inputs, overwrite=overwrite)
     return path
-
-
-def _refuse_no_folder(path: Location) -> None:
-    """Refuse a file's name whose directory is missing: perhaps it is not what was meant."""
-    if isinstance(path, Path) and not path.parent.exists():
-        raise CallError(f"{path.parent}: no such folder")
-
-
-def refuse_no_name(word: str) -> None:
-    """Refuse what names no output: nothing, and the usual name of stdout.
-
-    Raises:
-        CallError: it is one of them.
-    """
-    if not word:
-        raise CallError("an empty name names no output; is a variable of the shell empty?")
-    if word == "-":
-        raise CallError("-: does not stand for stdout here; name a file")
 
 
 def _refuse_other_format(target: Location, suffix: str) -> None:
@@ -259,11 +244,6 @@ def _refuse_other_format(target: Location, suffix: str) -> None:
             f"{storage.name_of(target)}: the name ends in {promised}, but {suffix} is written; "
             f"name it {name}"
         )
-
-
-def ends_in_slash(word: str) -> bool:
-    """Tell whether a word says by its end that it names a directory."""
-    return word.endswith(tuple({"/", os.sep}))
 
 
 def targets(

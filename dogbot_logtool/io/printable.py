@@ -89,10 +89,6 @@ class LastingFile(io.RawIOBase):
         """Tell whether it is a terminal."""
         return self._file.isatty()
 
-    def fileno(self) -> int:
-        """Return the file descriptor."""
-        return self._file.fileno()
-
 
 class PrintableStream(io.TextIOWrapper):
     """A stream for any text; `styled` is the same stream for text whose colours are meant."""
@@ -169,8 +165,5 @@ def _fill_gaps() -> None:
         try:
             os.fstat(number)
         except OSError:
-            nothing = os.open(os.devnull, os.O_RDONLY)
-            if nothing != number:
-                os.dup2(nothing, number)
-                os.close(nothing)
-            os.set_inheritable(number, True)  # noqa: FBT003 - takes no keyword
+            # It gets the lowest number that is free, which is this one.
+            os.set_inheritable(os.open(os.devnull, os.O_RDONLY), True)  # noqa: FBT003 - takes no keyword

@@ -10,7 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_foot
-from dogbot_logtool.core.recording import MOST_JOINTS, Times, plausible
+from dogbot_logtool.core.recording import Times, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.messages.bases import Base, BasePoses
@@ -87,8 +87,9 @@ class Part:
     losses: tuple[Loss, ...] = ()
 
     def add_malformed(self, malformed: Mapping[int, int]) -> None:
-        """Count messages that could not be decoded, by channel id."""
-        self.counts.update({("malformed", channel): count for channel, count in malformed.items()})
+        """Count messages that could not be decoded, by channel id; once, however often read."""
+        for channel, count in malformed.items():
+            self.counts["malformed", channel] = max(count, self.counts["malformed", channel])
 
 
 def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
@@ -189,10 +190,8 @@ def _add_joints(part: Part, batch: Batch, wanted: Wanted) -> None:
     for channel in wanted.joints:
         for read, malformed in read_joints(batch, channel):
             part.add_malformed(malformed)
-            names = read.names[:MOST_JOINTS]
-            if names and len(read.samples.log_time):
-                samples = read.samples.only(slice(MOST_JOINTS))
-                part.columns["joints", (read.topic, names)].append(samples)
+            if read.names and len(read.samples.log_time):
+                part.columns["joints", (read.topic, read.names)].append(read.samples)
 
 
 def _stamped(

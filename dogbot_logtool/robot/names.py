@@ -58,7 +58,7 @@ class FootSet(NamedTuple):
     feet: tuple[Foot, ...]
     """In the order front to back, left before right, or of their numbers."""
     kind: str
-    """``corners``, ``sides`` or ``numbers``, as names differ; of fields also ``one word``, or
+    """``corners``, ``sides`` or ``numbers``, as names differ; of fields also ``one number``, or
     ``elements`` of an array or bits, of which messages have fewer."""
     part: Part = Part.UNKNOWN
     words: frozenset[str] = frozenset()
@@ -301,15 +301,15 @@ def _of_row(words: Words, differ: Sequence[int]) -> _Leg | None:
     """
     rows = [(at, at, *ROWS[words[at].text]) for at in differ if words[at].text in ROWS]
     sides = [at for at in differ if words[at].text in SIDES]
-    for at in differ if sides else ():
-        own, before = words[at], words[at - 1] if at else None
-        # The number of something else, as in `robot1_left_leg`.
-        is_other = before and before.segment == own.segment and not before.is_leg
-        for side in sides if own.slot == "number" else ():
-            between = [word.part for word in words[min(at, side) + 1 : max(at, side)]]
-            is_near = between in ([], [Part.LEG]) and own.segment == words[side].segment
-            if is_near and not (side > at and is_other):
-                rows.append((min(at, side), max(at, side), own.text, SIDES[words[side].text]))
+    for at in (at for at in differ if words[at].slot == "number"):
+        # Beside `leg` the side stands before or behind, else the number may be of something else.
+        is_of_leg = words[at - 1].part is Part.LEG
+        beside = {at - 2, at + 1} if is_of_leg else {at - 1}
+        rows += [
+            (min(at, side), max(at, side), words[at].text, SIDES[words[side].text])
+            for side in sides
+            if side in beside and words[side].segment == words[at].segment
+        ]
     for first, last, row, side_of in rows[:1]:
         order = _number(row), ORDER.index(side_of)
         return _Leg(f"{side_of}_{row}", order, tuple({first: 0, last: 0}))

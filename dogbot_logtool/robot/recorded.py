@@ -82,18 +82,17 @@ def time_limits(log: Log, start_s: float | None, end_s: float | None) -> TimeLim
     Raises:
         CallError: the log has no such time.
     """
-    if log.start_time is None or log.end_time is None:
-        return None, None
-    start = None if start_s is None else log.start_time + round(start_s * 1e9)
-    end = None if end_s is None else log.start_time + round(end_s * 1e9)
-    first = log.start_time if start is None else start
+    begins, ends = log.start_time or 0, log.end_time or 0
+    start = None if start_s is None else begins + round(start_s * 1e9)
+    end = None if end_s is None else begins + round(end_s * 1e9)
+    first = begins if start is None else start
     fault = ""
-    if first < log.start_time:
+    if first < begins:
         fault = f"--start {start_s:.12g} lies before the log"
     elif end is not None and end <= first:
         begin = "the log's start" if start_s is None else f"--start {start_s:.12g}"
         fault = f"--end {end_s:.12g} is not after {begin}"
-    elif first > log.start_time and first >= log.end_time:
+    elif first > begins and first >= ends:
         fault = f"--start {start_s:.12g} is not before the log's end"
     if fault:
         raise CallError(f"{name_of(log.source.path)}: {fault}; {_length(log)}")
@@ -111,11 +110,11 @@ def refuse_empty_span(log: Log, limits: TimeLimits, messages: int) -> None:
     Raises:
         CallError: there is a span, and nothing is in it.
     """
-    if messages or limits == (None, None) or log.start_time is None or log.end_time is None:
+    if messages or limits == (None, None):
         return
-    start, end = limits
-    first = 0.0 if start is None else (start - log.start_time) / 1e9
-    last = ((log.end_time if end is None else end) - log.start_time) / 1e9
+    (start, end), begins = limits, log.start_time or 0
+    first = 0.0 if start is None else (start - begins) / 1e9
+    last = ((log.end_time or 0 if end is None else end) - begins) / 1e9
     raise CallError(
         f"{name_of(log.source.path)}: no message was recorded from {first:.12g} to {last:.12g} s; "
         f"{_length(log)}"

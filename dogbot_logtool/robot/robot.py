@@ -31,8 +31,6 @@ from dogbot_logtool.reader.foot import Foot, FootField
 AXES: Final = ("+x", "-x", "+y", "-y")
 """Body axes that can point forward."""
 GENERIC: Final = "generic"
-MOST_FEET: Final = 64
-"""A robot's file or a log that has more is a mistake, and takes the square of the time."""
 _KNOWN: Final = Path(__file__).with_name("known")
 """Directory of the robots that come with the program."""
 _ALL_KEYS: Final = "'dogbot-logtool robots dogbot' shows all that are."
@@ -154,8 +152,6 @@ def parse_robot(text: str, source: str) -> Robot:
     feet = document.pop("feet", {})
     if not isinstance(feet, dict) or not all(isinstance(foot, dict) for foot in feet.values()):
         raise CallError(f"{source}: feet must be tables: [feet.NAME]")
-    if len(feet) > MOST_FEET:
-        raise CallError(f"{source}: there are {len(feet)} feet; there may be {MOST_FEET}")
     given = by_key(document)
     values = take_fields(Robot, given, f"{source}: ")
     _refuse_unknown(given, source)

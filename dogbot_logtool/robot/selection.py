@@ -19,13 +19,6 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
 from dogbot_logtool.robot.names import FootSet
-from dogbot_logtool.robot.offers import (
-    call_of,
-    contact_findings,
-    offer_finding,
-    own_definition_findings,
-    unreadable_findings,
-)
 from dogbot_logtool.robot.robot import (
     GENERIC,
     Robot,
@@ -35,11 +28,16 @@ from dogbot_logtool.robot.robot import (
     with_settings,
 )
 from dogbot_logtool.robot.topics import (
+    call_of,
+    contact_findings,
     has_field,
     names_of,
+    offer_finding,
+    own_definition_findings,
     readable_source,
     split_topic,
     topics_of,
+    unreadable_findings,
 )
 from dogbot_logtool.robot.unknown import find_candidates
 
@@ -161,16 +159,18 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
     """Return the robot that the user names, else the known one whose topics the log has."""
     if options.robot is not None:
         return load_robot(options.robot).with_mass(options.mass)
-    topics, recorded = set(_usable_topics(log)), log.channels_by_topic
-    known = []
+    usable, recorded = _usable_topics(log), log.channels_by_topic
+    robot, most = load_robot(GENERIC), 0
     for name in known_robots():
         # Without parsing its file, whether a known robot may have one of the topics.
-        if name == GENERIC or any(topic in robot_toml(name) for topic in recorded):
-            robot = load_robot(name)
-            fields = [any(has_field(c, f) for c in recorded.get(f.topic, ())) for f in robot.feet]
-            topics |= robot.topics if fields and all(fields) else set()
-            known.append(robot)
-    robot = max(known, key=lambda one: (len(one.topics & topics), one.name == GENERIC))
+        if not any(topic in robot_toml(name) for topic in recorded):
+            continue
+        known = load_robot(name)
+        fields = [foot for foot in known.feet if foot.field is not None]
+        fits = all(any(has_field(c, f) for c in recorded.get(f.topic, ())) for f in fields)
+        topics = known.topics & usable.union(foot.topic for foot in fields)
+        if fits and len(topics) > most:
+            robot, most = known, len(topics)
     findings.append(found("ROBOT_GUESSED", robot=robot.name))
     return robot.with_mass(options.mass)
 

@@ -27,8 +27,8 @@ _SUFFIXES: Final = tuple(container.suffix for container in CONTAINERS)
 _WILD: Final = re.compile(r"[*?\[]")
 _LARGEST_LIST: Final = 256 << 20
 AnyPath = TypeVar("AnyPath", bound=PurePath)
-Unreadable = dict[Path, str]
-"""Directories that could not be searched, and why."""
+Unreadable = dict[str, str]
+"""Names of directories that could not be searched, and a sentence that says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,13 +94,12 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
                 continue
             path = one.path.absolute() if for_workers else one.path
             found.setdefault(storage.identity(path), replace(one, path=path))
-    names = ((storage.name_of(path), reason) for path, reason in unreadable.items())
-    failures = tuple((name, f"{name}: cannot be searched: {reason}") for name, reason in names)
-    if not found and failures:
-        raise LogtoolError(f"{failures[0][1]}, and there are no logs elsewhere")
+    if not found and unreadable:
+        why = next(iter(unreadable.values()))
+        raise LogtoolError(f"{why}, and there are no logs elsewhere")
     if not found:
         raise CallError("there are no logs: the lists and directories that were named hold none")
-    return LogSet(tuple(found.values()), left_out, failures)
+    return LogSet(tuple(found.values()), left_out, tuple(unreadable.items()))
 
 
 def _named(word: str, unreadable: Unreadable) -> Iterator[Found]:
@@ -190,7 +189,8 @@ def _files_below(root: Path, unreadable: Unreadable) -> Iterator[Path]:
     """
 
     def note(error: OSError) -> None:
-        unreadable[Path(error.filename)] = error.strerror or str(error)
+        name = storage.name_of(Path(error.filename))
+        unreadable[name] = f"{name}: cannot be searched: {error.strerror}"
 
     seen = set(map(str, Path(storage.identity(root)).parents))
     roots = deque([root])

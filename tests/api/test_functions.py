@@ -162,6 +162,8 @@ def test_convert_compare_info_and_check(tmp_path: Path) -> None:
     done = dl.convert(WALK, tmp_path / "walk.mcap", style="force", topics=topics, tf_rate=0)
     assert not done.damage.losses
     assert (tmp_path / "words.mcap").read_bytes() == (tmp_path / "walk.mcap").read_bytes()
+    with pytest.raises(dl.CallError, match="style='loud': must be one of pressure, force, classic"):
+        dl.convert(WALK, tmp_path / "loud.mcap", style="loud")
     assert dl.compare(WALK, str(WALK)).exit_code == 0
     assert dl.info(tmp_path / "walk.mcap").robot == "dogbot"
     limits = tmp_path / "limits.toml"

@@ -25,6 +25,7 @@ convert | Missing argument 'LOG...'
 info --nonsense TROT | No such option '--nonsense'
 convert TROT --style loud | 'loud' is not one of 'pressure', 'force', 'classic'
 convert TROT --jobs 0 | --jobs 0: must be a whole number from 1 to 256
+convert TROT --jobs x | --jobs x: must be a whole number
 convert TROT --tf-rate nan | --tf-rate nan: must be a number from 0.001 to 1e+06, or 0
 convert TROT --end inf | --end inf: must be a number of seconds
 convert TROT --foot front_left | --foot front_left: must be NAME=TOPIC[:FIELD]
@@ -40,6 +41,7 @@ convert a/x.bag b/x.bag -o out | out/x.annotated.mcap: 2 logs of one name would 
 convert no_such.bag | no_such.bag: no such file
 convert . | is a directory, not a log file, and holds no logs
 stats 'runs/*.bag' | runs/*.bag: no file has such a name
+stats '' | an empty name names no log
 stats TROT --start 5 --end 2 | --end 2 is not after --start 5; it lasts from 0 to
 stats TROT --set contact_on=20 | did you mean contact_on_n
 stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE

@@ -99,17 +99,6 @@ def test_results_that_cannot_be_written_are_an_error(folder: Path, words: str, c
         assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("target", "why"), [("&-", "it is closed"), ("/dev/full", "No space left on device")]
-)
-def test_a_shell_may_give_an_unwritable_stdout(folder: Path, target: str, why: str) -> None:
-    for words in ("--help", f"info {CUT}"):
-        ended, _, err = shell(folder, f"logtool {words} >{target}")
-        assert ended == 1
-        assert err.splitlines()[-1] == f"error: stdout cannot be written: {why}"
-        assert "Traceback" not in err
-
-
 def test_completion_that_cannot_be_written_is_an_error(folder: Path) -> None:
     line = "_DOGBOT_LOGTOOL_COMPLETE=bash_source dogbot-logtool"
     code, out, err = shell(folder, line)

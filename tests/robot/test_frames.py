@@ -15,7 +15,7 @@ from rosbags.highlevel import AnyReader
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.results import LogInfo
-from dogbot_logtool.robot.frames import Frames
+from dogbot_logtool.robot.frames import MOST_EDGES, Frames
 from tests.paths import SAMPLE_LOGS
 
 LOGS = [SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")]
@@ -165,3 +165,11 @@ def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
     assert [loss.messages for loss in info.damage.losses] == [3]
     assert info.damage.exit_code == 3
     assert "UNREADABLE" in codes(info)
+
+
+def test_of_very_many_frames_the_rest_is_counted(tmp_path: Path) -> None:
+    sent = [(number, "base", f"link_{number:04}") for number in range(MOST_EDGES + 3)]
+    info, frames = survey(foxglove_log(tmp_path / "many.mcap", {"/tf": sent}))
+    assert len(frames.edges) == MOST_EDGES
+    (text,) = [each.text for each in info.findings if each.code == "FRAME_NAMES"]
+    assert text.startswith("3 transforms were left out")

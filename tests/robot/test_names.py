@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dogbot_logtool.robot.names import FootSet, name_feet
+from dogbot_logtool.robot.names import FootSet, label_names, name_feet
 
 TABLE = tomllib.loads(Path(__file__).with_name("names.toml").read_text(encoding="utf-8"))
+SIDES = ("left", "right")
 CLEAR, UNSURE = TABLE["clear"], TABLE["unsure"]
 """Feet that are taken, and feet that are offered first."""
 
@@ -46,7 +47,7 @@ def test_sensors_of_one_foot_are_told_by_names(name: str) -> None:
     row = TABLE["several"][name]
     chosen, _ = name_feet([*row["left"], *row["right"]], contacts_only=row["contacts_only"])
     assert chosen is not None
-    for side in ("left", "right"):
+    for side in SIDES:
         assert sorted(f.topic for f in chosen.feet if f.sensor_of == side) == row[side]
 
 
@@ -55,6 +56,13 @@ def test_what_is_no_foot_is_neither_chosen_nor_offered(name: str) -> None:
     row = TABLE["none"][name]
     chosen, offered = name_feet(topics(row), contacts_only=row["contacts_only"])
     assert (chosen, offered) == (None, ())
+
+
+def test_labels_are_read_together() -> None:
+    """Of six legs in lettered rows, B is the middle one, and no back."""
+    told = label_names([f"{row}{side}_tip" for row in "ABC" for side in "LR"])
+    assert [foot.name for foot in told] == [f"{side}_{row}" for row in "abc" for side in SIDES]
+    assert {foot.leg_position for foot in told} == {None}
 
 
 PREFIXES = (

@@ -11,8 +11,8 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Severity
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.selection import Selection, select_topics
+from dogbot_logtool.robot.topics import nothing_to_do
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
 Channel = tuple[str, str, bytes, str]
@@ -51,7 +51,9 @@ def test_a_log_of_another_encoding_says_so_once(tmp_path: Path) -> None:
     found: list[Channel] = [(f"/{n}", "demo.Thing", b"", "flatbuffer") for n in range(300)]
     selection, text = selected(tmp_path, found)
     (finding,) = [f for f in selection.findings if "UNREADABLE" in f.code]
-    assert finding.text.endswith("and 290 more: messages encoded as 'flatbuffer' are not read")
+    assert finding.text.endswith(
+        "and 290 more: messages encoded as 'flatbuffer' are not read, only ROS 1's and CDR"
+    )
     assert text.endswith(finding.text)
 
 
@@ -112,4 +114,4 @@ def test_feet_of_another_encoding_are_named_beside_a_base_that_is_read(tmp_path:
     selection, _ = selected(tmp_path, found, schema_encoding="jsonschema")
     assert selection.base_name == "/robot/pose"
     (finding,) = [f for f in selection.findings if f.code == "UNREADABLE"]
-    assert finding.text == "/feet: messages encoded as 'json' are not read"
+    assert finding.text == "/feet: messages encoded as 'json' are not read, only ROS 1's and CDR"

@@ -22,6 +22,7 @@ from tests.paths import ROOT
 
 TABLE = Path(__file__).with_name("selected.json")
 FEET = {f"/a1/{leg}_foot/wrench": WRENCH for leg in ("fl", "fr", "rl", "rr")}
+SIX = range(1, 7)
 CORNERS = ("front_left", "front_right", "back_left", "back_right")
 Maker = Callable[[Path], object]
 
@@ -53,10 +54,12 @@ def makers() -> Iterator[tuple[str, Maker]]:
         ("three feet", mixed(CONTACTS, CONTACTS, CONTACTS), {}),
         ("one type of all", {**mixed(CONTACTS, CONTACTS), **FEET}, {}),
         ("a drill", {"/rl_tool/drill/force": WRENCH}, {}),
+        ("topics of a known robot's switches", {f"/leg_{n}/foot_contact": WRENCH for n in SIX}, {}),
     ):
         yield name, partial(write_log, topics=topics, **more)
     for kind in ("Reading", "Counts", "Touch"):
         yield f"fields in {kind}", partial(field_logs.six_feet, kind=f"odd_msgs/msg/{kind}")
+    yield "three feet beside a plan of four", _beside_a_plan
     yield "cells", field_logs.four_cells_a_foot
     for topic in ("/state", "/wheel_loads", "/gripper/finger_force", "/drill/contacts"):
         yield f"wrenches on {topic}", partial(field_logs.wrenches, topic=topic)
@@ -69,6 +72,13 @@ def makers() -> Iterator[tuple[str, Maker]]:
 def _walk(maker: type[walks.Walk], kind: str, path: Path) -> None:
     walk = maker(2)
     walks.write_mcap(path, walk, list(walk.messages(kind))[:900])
+
+
+def _beside_a_plan(path: Path) -> None:
+    walk = StateWalk(2)
+    plan, feet = "xpp_msgs/msg/RobotStateCartesian", "gazebo_msgs/msg/ContactsState"
+    entries = [*walk.messages(plan), *walk.messages(feet)]
+    walks.write_mcap(path, walk, [each for each in entries if "back_right" not in each.topic])
 
 
 def _base(kind: str, *topics_and_path: Any) -> None:

@@ -24,7 +24,8 @@ SENSORS = {
 
 
 def selected(path: Path, options: RobotOptions, **topics: str) -> Selection:
-    log = open_recorded(write_log(path, topics or DOGBOT | SPARE, odometry=["/dogbot/odom", "/x"]))
+    feet, models = topics or DOGBOT | SPARE, {"a": 0.0, "b": 0.1}
+    log = open_recorded(write_log(path, feet, odometry=["/dogbot/odom", "/x"], models=models))
     try:
         return select_topics(log, options)
     finally:

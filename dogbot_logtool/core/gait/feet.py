@@ -7,24 +7,20 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import (
-    Flags,
-    Floats,
-    Integral,
-    Ints,
-    aggregate,
-    percentiles_of,
-    trapezoids,
-)
-from dogbot_logtool.core.base.foot_path import Footfalls
-from dogbot_logtool.core.base.ground import MovingGround
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of
+from dogbot_logtool.core.base.ground import Footfalls, MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
 from dogbot_logtool.core.gait.strides import Standing, Strides, strides_of, walked_stances
 from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.loads import has_lone_spikes, slip_m, vertical_impulse_ns
+from dogbot_logtool.core.loads import (
+    fore_aft_ns,
+    has_lone_spikes,
+    slip_m,
+    vertical_impulse_ns,
+)
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Numbers, Shape, fields_of, unknown
 from dogbot_logtool.core.settings import WalkSettings
@@ -130,7 +126,7 @@ def foot_steps(
     heading = base.angles_at(stances.middle)[:, 2] + settings.forward_rad
     # A spike may be as large as all that brakes.
     spiked = np.where(figures.spikes > 0.0, np.nan, 0.0)
-    braking, propulsive = fore_aft_impulses(record, heading) + spiked
+    braking, propulsive = fore_aft_ns(record, heading) + spiked
     of_stances = {name: getattr(figures, name) for name in FIGURES} | {
         "stance_s": stances.duration_s,
         "slip_m": slip_m(figures.contact_travel_m, rolling_m),
@@ -192,37 +188,6 @@ def _seen(time: Ints, record: FootHistory, unseen: Cut, stances: Stances) -> Int
         # A stance may last from the log's first sample to its last.
         seen = seen[(seen != record.start) & (seen != record.end)]
     return seen
-
-
-def fore_aft_impulses(foot: FootHistory, heading: Floats) -> Floats:
-    """Integrate the braking and the propulsive part of the force over each stance.
-
-    Each sample counts by its own sign.
-
-    Args:
-        foot: its history.
-        heading: (stances,) rad, of the robot's forward axis in the middle of each stance.
-
-    Returns:
-        (2, stances) N s, at least 0, what slows the robot, and what drives it forward; NaN where
-        direction or heading is not known.
-    """
-    track, stances = foot.track, foot.stances
-    impulses = np.full((2, len(heading)), np.nan)
-    known = np.isfinite(heading) & np.isfinite(stances.figures.mean_vertical_force_n)
-    if not known.any():
-        return impulses
-    before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
-    # A foot that stopped to speak in a stance has no sample at its end.
-    behind = np.searchsorted(track.time, stances.liftoff[known]).clip(max=len(track.time) - 1)
-    begin, end = track.time[before], track.time[behind]
-    stance = np.maximum(np.searchsorted(begin, track.time, side="right") - 1, 0)
-    x, y = np.nan_to_num(track.horizontal_force).T
-    along = x * np.cos(heading[known])[stance] + y * np.sin(heading[known])[stance]
-    parts = np.stack([np.maximum(-along, 0.0), np.maximum(along, 0.0)], axis=1)
-    total = Integral(track.time, trapezoids(np.diff(track.time) / 1e9, parts))
-    impulses[:, known] = total.added(begin, end).T
-    return impulses
 
 
 def foot_metrics(foot: FootSteps, weight_n: float | None, origin: int, within: Ints) -> Foot:

@@ -126,10 +126,7 @@ def described(channel: Channel) -> tuple[Struct, str]:
     Raises:
         DefinitionError: there is none; the sentence does not name the topic.
     """
-    found = _definition(*_declared(channel))
-    if isinstance(found, str):
-        raise DefinitionError(found)
-    return found
+    return _definition(*_declared(channel))
 
 
 _Declared = tuple[str, str, bytes, str]
@@ -158,10 +155,7 @@ def _decoder(
     Raises:
         DefinitionError: they cannot be decoded.
     """
-    found = _definition(name, schema_encoding, data, encoding)
-    if isinstance(found, str):
-        raise DefinitionError(found)
-    definition, _ = found
+    definition, _ = _definition(name, schema_encoding, data, encoding)
     if encoding not in OBJECT_ENCODINGS:
         return _Decoder(compile_layout(definition, SERIALISATIONS[encoding], columns))
     read = only(definition, columns)
@@ -170,10 +164,12 @@ def _decoder(
 
 
 @lru_cache(maxsize=256)
-def _definition(
-    name: str, schema_encoding: str, data: bytes, encoding: str
-) -> tuple[Struct, str] | str:
-    """Return a type's definition: the log's, else our own and why; or why there is none."""
+def _definition(name: str, schema_encoding: str, data: bytes, encoding: str) -> tuple[Struct, str]:
+    """Return a type's definition: the log's, else our own and why.
+
+    Raises:
+        DefinitionError: there is none.
+    """
     text = data.decode("utf-8", "replace")
     try:
         if encoding in OBJECT_ENCODINGS:
@@ -185,6 +181,6 @@ def _definition(
     except DefinitionError as error:
         own = known_definition(name, serialisation=SERIALISATIONS.get(encoding, "cdr"))
         if own is None or encoding in OBJECT_ENCODINGS:
-            return str(error)
+            raise
         schema_encoding = "ros1msg" if encoding == "ros1" else "ros2msg"
         return parse_definition(name, own, schema_encoding), str(error)

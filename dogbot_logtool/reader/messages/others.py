@@ -7,7 +7,13 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, concatenated, header_time, picked, rows_by_group
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
-from dogbot_logtool.core.recording import JointSamples, JointTable, VectorSamples, plausible
+from dogbot_logtool.core.recording import (
+    MOST_JOINTS,
+    JointSamples,
+    JointTable,
+    VectorSamples,
+    plausible,
+)
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
@@ -67,7 +73,7 @@ def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...],
         if name is not None:
             # Some publishers leave the names out; positions keep their order.
             names = tuple(f"joint_{n}" for n in range(-(-len(parent) // max(rows, 1))))
-    most = min(len(names), max(_MOST_CELLS, len(parent)) // max(rows, 1))
+    most = min(len(names), MOST_JOINTS, max(_MOST_CELLS, len(parent)) // max(rows, 1))
     kept = joint < most
     cells = parent[kept], joint[kept]
     found: list[Floats] = []

@@ -19,10 +19,9 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
-from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection, select_topics
-from dogbot_logtool.robot.topics import joint_channels, side_topics
+from dogbot_logtool.robot.topics import joint_channels, nothing_to_do, side_topics
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import LegSettings
@@ -197,6 +196,8 @@ def prepare(
 
         found = read_model(log, options.urdf)
         model = found.robot
+        if model is None and not found.call:
+            whole = (*whole, Finding("ROBOT_DESCRIPTION", found.why_none))
         recording, selection = measured_by_legs(recording, selection, found)
     # Up to the ends of a log that is read whole, silence is known.
     wanted = plan.wanted

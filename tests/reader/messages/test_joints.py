@@ -11,6 +11,7 @@ from foxglove_schemas_protobuf.JointStates_pb2 import JointStates as Message
 from mcap.writer import Writer
 from rosbags.typesys import get_types_from_msg
 
+import dogbot_logtool as dl
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.reader.messages.others import read_joints
 from dogbot_logtool.reader.messages.source import source_of
@@ -25,6 +26,7 @@ MOTORS: Final = {
     "unitree_go/msg/LowState": ("motor_state", "tau_est"),
     "unitree_legged_msgs/msg/LowState": ("motorState", "tauEst"),
 }
+FORCES: Final = dict(zip(MOTORS, ("foot_force", "footForce"), strict=True))
 ROS, FOXGLOVE = "sensor_msgs/msg/JointState", "foxglove.JointStates"
 
 
@@ -75,7 +77,7 @@ def store(kind: str, ros_version: int) -> walks.Walk:
         walk.store.fielddefs.pop(kind, None)
         for name, text in {
             f"{package}/msg/MotorState": f"uint8 mode\nfloat32 q\nfloat32 dq\nfloat32 {effort}",
-            kind: f"{package}/MotorState[20] {field}\nuint32 tick",
+            kind: f"{package}/MotorState[20] {field}\nint16[4] {FORCES[kind]}\nuint32 tick",
         }.items():
             walk.store.register(get_types_from_msg(text, name))
     return walk
@@ -127,18 +129,41 @@ def check(states: JointTable, *, unknown_efforts: bool) -> None:
         assert told.all() == (kind < 2 or not unknown_efforts)
 
 
+def write(folder: Path, kind: str, ros_version: int, damaged: int = -1) -> Path:
+    walk, entries = store(kind, ros_version), []
+    for sample in range(SAMPLES):
+        message = ros(walk, sample) if kind == ROS else motors(walk, kind, sample)
+        data = walk.bytes_of(kind, message)
+        time = walks.START + sample * walks.STEP
+        data = data[: 50 if sample == damaged else None]
+        entries.append(walks.Entry("/joints", kind, time, data))
+    path = folder / ("log.bag" if ros_version == 1 else "log.mcap")
+    (walks.write_bag if ros_version == 1 else walks.write_mcap)(path, walk, entries)
+    return path
+
+
 @pytest.mark.parametrize(("kind", "ros_version"), [(ROS, 1), *((kind, 2) for kind in MOTORS)])
 def test_ros_messages(tmp_path: Path, kind: str, ros_version: int) -> None:
-    walk = store(kind, ros_version)
-    made = [ros(walk, s) if kind == ROS else motors(walk, kind, s) for s in range(SAMPLES)]
-    entries = [
-        walks.Entry("/joints", kind, walks.START + s * walks.STEP, walk.bytes_of(kind, message))
-        for s, message in enumerate(made)
-    ]
-    path = tmp_path / ("log.bag" if ros_version == 1 else "log.mcap")
-    (walks.write_bag if ros_version == 1 else walks.write_mcap)(path, walk, entries)
-    states = read(path)
+    states = read(write(tmp_path, kind, ros_version))
     check(states, unknown_efforts=kind == ROS)
+
+
+def test_a_message_that_tells_of_joints_and_feet_is_lost_once(tmp_path: Path) -> None:
+    found = dl.measure(write(tmp_path, "unitree_go/msg/LowState", 2, damaged=3)).stats
+    text = next(each["text"] for each in found["findings"] if "decoded" in each["text"])
+    assert text == "lost 1 message: 1 messages of /joints could not be decoded"
+
+
+def test_joints_without_names_are_numbered(tmp_path: Path) -> None:
+    walk = walks.Walk(1)
+    message = walk.make(ROS, header=walk.header(0, ""), position=np.array([0.5, 0.25]))
+    entry = walks.Entry("/joints", ROS, walks.START, walk.bytes_of(ROS, message))
+    walks.write_bag(tmp_path / "log.bag", walk, [entry])
+    states = read(tmp_path / "log.bag")
+    assert (states.names, states.samples.position.tolist()) == (
+        ("joint_0", "joint_1"),
+        [[0.5, 0.25]],
+    )
 
 
 @pytest.mark.parametrize("encoding", ["protobuf", "json"])
