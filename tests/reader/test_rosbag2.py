@@ -124,7 +124,9 @@ def test_what_only_looks_like_a_bag_is_refused(tmp_path: Path, how: str) -> None
 BOMB = zstandard.ZstdCompressor(level=19).compress(bytes(200 << 20))
 
 
-@pytest.mark.parametrize("data", [BOMB, BOMB[:20]], ids=["swells", "cut off"])
+@pytest.mark.parametrize(
+    "data", [BOMB, zstandard.compress(b"x" * 999)[:-3]], ids=["swells", "cut off"]
+)
 def test_a_message_that_swells_or_is_cut_off_is_lost(tmp_path: Path, data: bytes) -> None:
     entries = [*ENTRIES[:5], Entry("/odom", "nav_msgs/msg/Odometry", ENTRIES[5].log_time, data)]
     reading = read_file(write(tmp_path / "bag", entries=entries))
