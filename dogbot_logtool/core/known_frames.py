@@ -287,6 +287,4 @@ def turned_deg(recording: Recording) -> float:
     """Return the yaw of the base's first usable pose; 0 where none was seen."""
     turns = recording.base.orientation
     usable = np.flatnonzero(all_finite(turns) & (turns != 0.0).any(axis=1))[:1]
-    if not len(usable):
-        return 0.0
-    return float(np.degrees(roll_pitch_yaw(normalised(turns[usable]))[0, 2]))
+    return float(np.degrees(roll_pitch_yaw(normalised(turns[usable]))[:, 2].sum()))

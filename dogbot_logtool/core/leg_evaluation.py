@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
-from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls, known_path
+from dogbot_logtool.core.base.ground import Footfalls, FootPath, footfalls, known_path
 from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.corrections.clock import first_at_each_tick, too_far_apart
 from dogbot_logtool.core.frames.transforms import FrameTrack, lookup
@@ -52,11 +52,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
         walk: all other figures.
         settings: sources of the legs.
     """
-    joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings.limits)
-    following = {each.name for each in settings.joints if each.source}
-    for name, joint in joints.items():
-        foot = settings.foot_of_joint.get(name)
-        joints[name] = joint._replace(foot=foot, follows=name in following)
+    joints = joint_tracks(walk.recording.joints, walk.settings.clock, settings)
     chained = {frame for chain in settings.chains if chain for frame in chain.frames}
     links = link_tracks(settings.joints, joints)
     frames = walk.frames.tracks(chained) | links

@@ -1,6 +1,7 @@
 """Two sides of walks: known differences are found, and what keeps them from being compared."""
 
 import copy
+import io
 import json
 import re
 import shutil
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from dogbot_logtool.commands.tasks import figures
 from dogbot_logtool.comparison.walks import (
@@ -23,6 +25,7 @@ from dogbot_logtool.core.metrics import Base, Stability
 from dogbot_logtool.core.records import to_json, unknown
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import SOUND
+from dogbot_logtool.report.comparison_report import print_gait_comparison
 from dogbot_logtool.report.page.comparison import comparison_page
 from dogbot_logtool.results import Figures, StrideTable
 from tests import forked_cli
@@ -187,6 +190,10 @@ def test_it_says_what_differs_the_largest_effect_first(measured: dict[str, Figur
     order = re.findall(r'<th scope="row">(\w+ \w+) <span role="img" aria-label="(\w+)"', html)
     assert [name for name, _ in order] == [f"{e.foot} {e.metric}" for e in found.differing]
     assert ("front_left duty_factor", "less") in order
+    console = Console(file=io.StringIO(), width=120, record=True)
+    print_gait_comparison(console, found, verbose=False)
+    rows = [" ".join(line.split()[:2]) for line in console.export_text().splitlines()[2:]]
+    assert rows == [name for name, _ in order]
     assert "&lt;shorter&gt;.mcap" in html
     assert "<shorter>" not in html
     assert "<script" not in html

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.legs.joints import JointLimits, JointTrack, joint_tracks
+from dogbot_logtool.core.legs.joints import JointLimits, JointTrack, LegSettings, joint_tracks
 from dogbot_logtool.core.recording import MOST_JOINTS, JointSamples, JointTable
 
 START = 7_000_000_000
@@ -22,7 +22,9 @@ def recorded(
     limits: JointLimits = JointLimits(),  # noqa: B008 - frozen
 ) -> JointTrack:
     table = JointTable("/joint_states", ("knee",), given)
-    return joint_tracks([table], TimeSource.HEADER, {"knee": limits})["knee"]
+    return joint_tracks([table], TimeSource.HEADER, LegSettings((), (), limits={"knee": limits}))[
+        "knee"
+    ]
 
 
 def test_no_more_joints_are_followed_than_allowed() -> None:
@@ -31,7 +33,7 @@ def test_no_more_joints_are_followed_than_allowed() -> None:
         JointTable(topic, tuple(f"{topic}{joint}" for joint in range(MOST_JOINTS + 3)), many)
         for topic in ("/one", "/other")
     ]
-    found = joint_tracks(tables, TimeSource.HEADER, {})
+    found = joint_tracks(tables, TimeSource.HEADER, LegSettings((), ()))
     assert list(found) == sorted(tables[0].names[:MOST_JOINTS])
 
 
@@ -71,5 +73,5 @@ def test_another_publisher_s_stamps_cost_no_states() -> None:
     unknown = np.full_like(position, np.nan)
     states = JointSamples(log_time, stamp, position, unknown, unknown)
     table = JointTable("/joint_states", ("knee", "wrist"), states)
-    found = joint_tracks([table], TimeSource.HEADER, {})
+    found = joint_tracks([table], TimeSource.HEADER, LegSettings((), ()))
     assert {name: len(each.time) for name, each in found.items()} == {"knee": 100, "wrist": 400}

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -17,8 +18,10 @@ from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.core.records import to_json
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, finding_kinds
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import schema, stats_json
+from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.text.gait_diagram import ASCII, gait_diagram
 from dogbot_logtool.report.text.stats_text import print_report, print_summary
 from dogbot_logtool.report.verdict import summary_row
@@ -28,6 +31,10 @@ from tests.forked_cli import run
 from tests.measured import measured, measurement_of
 from tests.oracles.small_logs import first_seconds
 from tests.paths import TROT, TROUBLED, WALK
+from tests.truth.log_file import write_log
+from tests.truth.scenes import OneAfterAnother, falling
+from tests.truth.walking import Walk as TruthWalk
+from tests.truth.walks import WALK as WALKING
 
 SAMPLES: Final = {"trot": TROT, "troubled": TROUBLED, "walk": WALK}
 FEET: Final = ("front_left", "front_right", "back_left", "back_right")
@@ -191,6 +198,15 @@ def test_a_walk_shorter_than_the_log_is_shown_by_its_longest_segment() -> None:
     text = text_of(Measurement(walk), 100)
     assert "Gait: trot, trot\n" in text
     assert "Longest segment: 3.5 to " in text
+
+
+def test_a_fall_stands_before_the_gaits(tmp_path: Path) -> None:
+    parts = (TruthWalk(), replace(WALKING, seconds=9.0), falling())
+    log = write_log(OneAfterAnother(parts).recorded(200.0), tmp_path / "log.mcap")
+    done = measured(log, MeasureOptions(mass=20.0))
+    text, html = text_of(done, 100), page(done, 0).decode()
+    assert text.splitlines()[2:4] == ["Fall at 21.0 s", "Gait: trot, lateral-sequence walk, stand"]
+    assert re.search(r"<p>In turn: \d\.\d to \d\.\d s: trot, 1\.25 strides/s; ", html)
 
 
 # --- Terminals ------------------------------------------------------------------------------------

@@ -223,7 +223,7 @@ def _odd_events(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
     """Judge what happens beside steps and falls, but for feet that a seam moves at once."""
     events: list[Any] = [each for each in found.figure("events") if each["type"] not in STEPS]
     faulty = {each["code"] for each in events if each["type"] == "sensor_fault"}
-    named = {each["code"] for each in found.findings()} & SENSOR_FAULTS
+    named = {each["code"] for each in found.json["findings"]} & SENSOR_FAULTS
     yield Judged(
         "faulty sensors", _joined(sorted(named)), _joined(sorted(faulty)), _right(named == faulty)
     )

@@ -1,7 +1,7 @@
 """What `stats --json` and the verdict of `report` say of a recording."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,15 +43,11 @@ class Outcome:
                 raise KeyError(key)
         return value
 
-    def findings(self) -> Iterator[Mapping[str, Any]]:
-        """Return all findings, wherever the JSON holds them."""
-        yield from self.json["findings"]
-
     def says(self, pattern: str) -> list[str]:
         """Return codes of the findings whose code or text has a pattern."""
         return [
             each["code"]
-            for each in self.findings()
+            for each in self.json["findings"]
             if re.search(pattern, f"{each['code']} {each['text']}", re.IGNORECASE)
         ]
 
@@ -62,7 +58,7 @@ class Outcome:
 
     def warnings(self) -> list[str]:
         """Return codes of all findings that are more than notes."""
-        return [each["code"] for each in self.findings() if each["severity"] != "note"]
+        return [each["code"] for each in self.json["findings"] if each["severity"] != "note"]
 
 
 def _foot_topics(recording: Recording) -> Mapping[str, str] | None:

@@ -201,6 +201,7 @@ def write_log(
     with_feet: bool = True,
     with_poses: bool = True,
     imu: tuple[str, Floats] | None = None,
+    imu_late_s: float = 0.0,
 ) -> Path:
     """Write a walk as an MCAP of ROS 2 messages.
 
@@ -215,6 +216,7 @@ def write_log(
         silence_s: time in which no joint states are sent.
         with_feet: whether feet are recorded; `with_poses`, whether odometry is.
         imu: frame and readings, (n, 6) m/s^2 and rad/s, of an inertial unit.
+        imu_late_s: how far its clock is ahead.
     """
     rows = slice(0, None, every)
     seconds = robot.time[rows]
@@ -229,7 +231,7 @@ def write_log(
     if imu is not None:
         felt, turns = np.hsplit(imu[1][rows], 2)
         read = {"linear_acceleration": felt, "angular_velocity": turns}
-        add("/imu", IMU, seconds, header=header(imu[0]), **read)
+        add("/imu", IMU, seconds + imu_late_s, header=header(imu[0]), **read)
     heard = (seconds < silence_s[0]) | (seconds >= silence_s[1])
     states = {"position": robot.position, "velocity": robot.velocity, "effort": robot.torque}
     for number, share in enumerate(np.array_split(np.arange(len(robot.joints)), publishers)):
@@ -308,6 +310,7 @@ def write_bare_log(
     imu_frame: str = "base_link",
     gyro: float = 1.0,
     every: int = 5,
+    imu_late_s: float = 0.0,
 ) -> Path:
     """Write what a robot without foot sensors and odometry records.
 
@@ -318,6 +321,7 @@ def write_bare_log(
         imu_frame: that of the base, or one that is turned by 90 degrees about its x axis.
         gyro: what a gyroscope reads for a turn rate of 1 rad/s.
         every: rows of the walk, 500 a second, between messages.
+        imu_late_s: how far the inertial unit's clock is ahead.
     """
     back = inverse(walk.attitude)
     moved = np.gradient(walk.base_velocity[:, 3:], walk.time, axis=0)
@@ -334,4 +338,5 @@ def write_bare_log(
         with_feet=False,
         with_poses=False,
         imu=imu,
+        imu_late_s=imu_late_s,
     )

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,9 @@ import pytest
 import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import HALF_WIDTH, HEAVY_KG, LEGS_KG, OFFSET, PERIOD_S, quadruped, trot
+from tests.truth.parts import urdf
 from tests.truth.physics import KEPT_S, resized
-from tests.truth.recording import Floats
+from tests.truth.recording import Floats, product
 
 
 @cache
@@ -202,6 +204,25 @@ def test_legs_that_are_named_tell_which_way_is_forward() -> None:
     stats = physics.measured(truth, by_transforms=False).stats
     assert stats["settings"]["forward_axis"] == "+x"
     assert stats["base"]["lateral_speed_mps"] == pytest.approx(0.205, abs=0.01)
+    assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, abs=0.01)
+
+
+def test_legs_whose_names_contradict_the_guessed_axis_tell_it(tmp_path: Path) -> None:
+    """The base's y axis is forward, as the robot description's legs are named."""
+    truth = quadruped(seconds=4.0)
+    right = np.array([[0.0, 0.0, -np.sqrt(0.5), np.sqrt(0.5)]])
+    aside = replace(truth, attitude=product(truth.attitude, np.repeat(right, len(truth.time), 0)))
+    turn = (
+        '<joint name="turn" type="fixed"><parent link="base_link"/><child link="trunk"/>'
+        '<origin rpy="0 0 1.5707963267948966"/></joint></robot>'
+    )
+    file = tmp_path / "robot.urdf"
+    text = urdf(truth.parts).replace("base_link", "trunk").replace("</robot>", turn)
+    file.write_text(text.replace("</robot>", '<link name="base_link"/></robot>'))
+    log = physics.write_log(tmp_path / "log.mcap", aside, by_transforms=False)
+    stats = dl.measure(log, urdf=file, mass=truth.mass_kg).stats
+    assert stats["settings"]["forward_axis"] == "+y"
+    assert "FORWARD_AXIS" in {each["code"] for each in stats["findings"]}
     assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, abs=0.01)
 
 

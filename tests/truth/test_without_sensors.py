@@ -218,12 +218,19 @@ def test_turns_that_contradict_the_feet_leave_all_unknown(
     assert (walk.gait.name, walk.stats["base"]["yaw_rate_radps"]) == (None, None)
 
 
-@pytest.mark.parametrize("command", [(0.4, 0.0, 0.0), (0.3, 0.0, 0.5), (0.0, 0.0, 0.8)])
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ((0.4, 0.0, 0.0), {"with_imu": False}),
+        ((0.3, 0.0, 0.5), {"with_imu": False}),
+        ((0.0, 0.0, 0.8), {"imu_late_s": 1e6}),
+    ],
+)
 def test_joints_alone_tell_feet_and_base(
-    command: tuple[float, float, float], tmp_path: Path
+    command: tuple[float, float, float], options: dict[str, Any], tmp_path: Path
 ) -> None:
     truth = quadruped(command)
-    walk = measured(tmp_path, truth, with_imu=False)
+    walk = measured(tmp_path, truth, **options)
     base, turned = walk.stats["base"], truth.base_velocity[:, 2].mean()
     assert base["yaw_rate_radps"] == pytest.approx(turned, rel=0.05, abs=0.02)
     assert base["forward_speed_mps"] == pytest.approx(truth.speed_mps, rel=0.14, abs=0.02)

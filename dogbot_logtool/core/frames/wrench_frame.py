@@ -178,12 +178,12 @@ def judge_wrench_frame(
 
 def _better(world: FrameFit, link: FrameFit, weight_n: float | None) -> WrenchFrame:
     """Decide between two hypotheses that both obey the rules."""
-    misses = [[fit.net_tilt + fit.foot_tilt for fit in (world, link)]]
-    if weight_n is not None:
-        misses.insert(0, [abs(fit.vertical_n / weight_n - 1.0) for fit in (world, link)])
+    misses = [
+        [abs(fit.vertical_n / (weight_n or np.nan) - 1.0) for fit in (world, link)],
+        [fit.net_tilt + fit.foot_tilt for fit in (world, link)],
+    ]
     for of_world, of_link in misses:
         if abs(of_world - of_link) > NEARER:
             return WrenchFrame.WORLD if of_world < of_link else WrenchFrame.LINK
-    if abs(world.vertical_n - link.vertical_n) <= SAME_FORCE * world.vertical_n:
-        return WrenchFrame.WORLD
-    return WrenchFrame.UNKNOWN
+    alike = abs(world.vertical_n - link.vertical_n) <= SAME_FORCE * world.vertical_n
+    return WrenchFrame.WORLD if alike else WrenchFrame.UNKNOWN

@@ -14,7 +14,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     median_of,
 )
-from dogbot_logtool.core.base.foot_path import (
+from dogbot_logtool.core.base.ground import (
     LONGEST_STEP_S,
     Footfalls,
     FootPath,
@@ -41,8 +41,7 @@ NEAR_LIMIT: Final = 0.02
 NEAR_FULL: Final = 0.95
 """Share of the highest effort or speed by the robot description: more is near a limit."""
 LEAST_WRAP: Final = 1.5 * np.pi
-"""rad between two messages: no joint is so fast, so it wraps, if it is no more than a turn."""
-_TURN: Final = 2.0 * np.pi
+"""rad between two messages: no joint is so fast, so it wraps at +-pi."""
 _IMPLAUSIBLE: Final = 1e9
 """rad, rad/s and N m: no joint reaches it."""
 
@@ -137,15 +136,16 @@ class JointTrack(NamedTuple):
 
 
 def joint_tracks(
-    tables: Sequence[JointTable], clock: TimeSource, limits: Mapping[str, JointLimits]
+    tables: Sequence[JointTable], clock: TimeSource, settings: LegSettings
 ) -> dict[str, JointTrack]:
     """Measure the joints of a log, by name.
 
     Args:
         tables: joint states, one table a topic, the best first: its states of a joint are used.
         clock: which time counts.
-        limits: of joints, by name.
+        settings: which feet joints move, and their limits.
     """
+    following = {each.name for each in settings.joints if each.source}
     found: dict[str, JointTrack] = {}
     for table in tables:
         samples = table.samples
@@ -162,9 +162,11 @@ def joint_tracks(
                     each[rows, column].astype(np.float64)
                     for each in (samples.position, samples.velocity, samples.effort)
                 )
-                limit = limits.get(name, JointLimits())
+                limits = settings.limits.get(name, JointLimits())
                 times = time, samples.log_time[rows]
-                found[name] = _track(name, times, position, velocity, effort, limit)
+                track = _track(name, times, position, velocity, effort, limits)
+                foot = settings.foot_of_joint.get(name)
+                found[name] = track._replace(foot=foot, follows=name in following)
     return dict(sorted(found.items()))
 
 
@@ -203,7 +205,7 @@ def _track(
     time, log_time = times
     step_s = np.diff(time) / 1e9
     step_s[step_s > LONGEST_STEP_S] = np.nan
-    position = _unwrapped(position)
+    position = np.unwrap(position, LEAST_WRAP)
     velocity, effort = (
         np.where(np.abs(each) <= _IMPLAUSIBLE, each, np.nan) for each in (velocity, effort)
     )
@@ -249,14 +251,6 @@ def _track(
         reported_squared=float(np.nansum(middle**2 * step_s)),
         reported_moved=float(np.nansum(middle * displacement + 0.0 * step_s)),
     )
-
-
-def _unwrapped(position: Floats) -> Floats:
-    """Return positions, (n,), that go on where a continuous joint's wrap at +-pi."""
-    step = np.diff(position, prepend=position[:1])
-    wraps = (np.abs(step) > LEAST_WRAP) & (np.abs(step) <= _TURN)
-    turned: Floats = position + np.cumsum(np.where(wraps, -np.sign(step) * _TURN, 0.0))
-    return turned
 
 
 def _near_limit(limits: JointLimits, position: Floats, effort: Floats, speed: Floats) -> Flags:

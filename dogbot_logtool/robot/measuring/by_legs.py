@@ -131,8 +131,7 @@ def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
     for table in tables:
         for name, values in zip(table.names, table.samples.position.T, strict=True):
             known = values[np.isfinite(values)]
-            if len(known):
-                usual.setdefault(name, float(median_of(known)))
+            usual.setdefault(name, float(median_of(known)) if len(known) else 0.0)
     return usual
 
 
