@@ -45,10 +45,8 @@ class ClusterRunner(ExecutorRunner[Result]):
             LogtoolError: no scheduler answers.
         """
         if not _ADDRESS.fullmatch(scheduler):
-            hint = "; --jobs N uses N processes of this machine" if "local" in scheduler else ""
-            raise CallError(
-                f"--scheduler {scheduler}: must be an address such as tcp://host:8786{hint}"
-            )
+            what = "must be an address such as tcp://host:8786"
+            raise CallError(f"--scheduler {scheduler}: {what}")
         self._name = scheduler
         self._lost = f"was not done: the scheduler {scheduler} was lost"
         self._client = _connected(scheduler)
@@ -83,7 +81,7 @@ class ClusterRunner(ExecutorRunner[Result]):
             return None
         if isinstance(error, CancelledError):
             # The client cancels everything when it loses the scheduler.
-            return self._lost
+            raise RunLost(self._lost)
         if isinstance(error, distributed.KilledWorker):
             return "every worker that worked on it died, perhaps because memory ran out"
         return f"the cluster failed: {type(error).__name__}: {error}"

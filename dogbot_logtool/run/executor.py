@@ -49,6 +49,9 @@ class ExecutorRunner(Runner[Result]):
         Args:
             error: of the executor.
             again: whether that was the second try.
+
+        Raises:
+            RunLost: nothing more will be done.
         """
 
     def run(
@@ -106,16 +109,16 @@ class ExecutorRunner(Runner[Result]):
                 except Empty:
                     self.look()
                     continue
-                number = under_way.pop(future)
                 try:
-                    outcome = future.result()
+                    outcome: Result | Failure | None = future.result()
                 except Exception as error:  # noqa: BLE001 - errors of the work itself are outcomes
                     why = self.explain(error, again=lost is None)
-                    if why is None and lost is not None:
-                        lost.append(number)
-                        continue
-                    outcome = Failure(str(why), 1)
-                yield number, outcome
+                    outcome = None if why is None else Failure(why, 1)
+                number = under_way.pop(future)
+                if outcome is not None:
+                    yield number, outcome
+                elif lost is not None:
+                    lost.append(number)
         except RunLost as error:
             for number in (*under_way.values(), *waiting):
                 yield number, Failure(str(error), 1)

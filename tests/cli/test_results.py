@@ -173,16 +173,6 @@ def test_a_directory_is_not_made_for_nothing(shell: Shell, logs: Path) -> None:
     assert "out: is a file, not a folder" in done.err
 
 
-@pytest.mark.parametrize("name", ["out/", "out"])
-def test_pages_go_into_a_directory(shell: Shell, logs: Path, name: str) -> None:
-    words = [logs / "one.mcap", *([logs / "far" / "two.mcap"] if name == "out" else [])]
-    assert shell("report", *words, "-o", name).code == 0
-    found = sorted(file.name for file in (shell.folder / "out").iterdir())
-    pages = ["one.report.html", "two.report.html"][: len(words)]
-    beside = [shared_name(), "index.html"] if len(words) > 1 else []
-    assert found == sorted([*beside, *pages])
-
-
 def test_the_index_leads_to_pages_of_any_name(tmp_path: Path) -> None:
     """Names may be any bytes; a log that cannot be used stands in the index with the reason."""
     shutil.copy(TROUBLED, Path(os.fsdecode(bytes(tmp_path) + b"/<\xff>.bag")))

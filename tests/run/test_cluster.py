@@ -99,6 +99,7 @@ def test_a_scheduler_that_is_lost(tmp_path: Path) -> None:
     with contextlib.ExitStack() as stack:
         with scheduler(tmp_path) as address, workers(address, 1, tmp_path):
             runner = stack.enter_context(ClusterRunner[Any](address))
+            runner.capacity = 10  # some are handed out when it is lost already
             results = runner.run(work, items, progress)
             assert next(results) == "SLOW"
         rest = list(results)

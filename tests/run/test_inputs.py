@@ -258,20 +258,3 @@ def test_a_directory_that_cannot_be_read_does_not_stop_the_search(unreadable: Pa
     (unreadable / "walk.bag").unlink()
     with pytest.raises(LogtoolError, match="File name too long, and there are no logs elsewhere"):
         find_logs(["."])
-
-
-@pytest.mark.parametrize("words", [("stats",), ("compare", "other.bag")])
-def test_json_names_files_in_utf_8(tmp_path: Path, words: tuple[str, ...]) -> None:
-    name = os.fsdecode(b"\xff.bag")
-    shutil.copy(TROUBLED, tmp_path / name)
-    shutil.copy(TROUBLED, tmp_path / "other.bag")
-    command, *others = words
-    done = called(command, "--json", name, *others, cwd=tmp_path)
-    assert done.returncode == 0
-    assert '"\\\\xff.bag"' in done.stdout
-    assert "\\ud" not in done.stdout
-    (tmp_path / name).write_bytes(b"nothing of the kind")
-    if command != "compare":
-        failed = called(command, "--json", name, *others, cwd=tmp_path)
-        assert failed.returncode in (1, 2)
-        assert "\\ud" not in failed.stdout
