@@ -91,6 +91,9 @@ def faults() -> Iterator[Case]:
          "POSE_DIRECTION", (POINTS,)),
         ("poses of the imu's link", ON_THE_SPOT, link, "", EVERY),
         ("poses of the imu's link, circle", CIRCLE, link, "", EVERY),
+        ("poses of the shell, base named", ON_THE_SPOT, _of_shell, "", (POINTS,)),
+        ("poses of a link that is nowhere", TROT, _of_lost_link,
+         "POSE_FRAME .* no static transform", (POINTS,)),
         ("a quarter of real time, feet without stamps", TROT, time.quarter_speed(feet=True),
          "CLOCK_OFFSET", EVERY),
         ("a quarter of real time, poses without stamps", TROT, time.quarter_speed(feet=False),
@@ -149,6 +152,15 @@ def sound() -> Iterator[Case]:
 
 def _nothing(recording: Recording) -> Recording:
     return recording
+
+
+def _of_shell(recording: Recording) -> Recording:
+    named = sensor.user_gives(set={"base_frame": "base_link"})
+    return named(pose.of_link((0.25, 0.1, 0.05), "shell")(recording))
+
+
+def _of_lost_link(recording: Recording) -> Recording:
+    return replace(pose.of_link((0.05, 0.02, 0.01))(recording), statics=())
 
 
 def _crabwise(recording: Recording) -> Recording:
