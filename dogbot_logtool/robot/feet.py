@@ -16,11 +16,11 @@ from dogbot_logtool.reader.messages.feet import feet_in
 from dogbot_logtool.reader.messages.message_type import is_named_as_planned
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.robot.names import ORDER, FootSet, label_names, leg_position, name_feet
-from dogbot_logtool.robot.offers import foot_options
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
     Topic,
     first_messages,
+    foot_options,
     is_planned,
     names_of,
     readable_source,
