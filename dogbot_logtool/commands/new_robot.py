@@ -11,9 +11,9 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage
 from dogbot_logtool.report.robot_file import RobotEvidence, robot_file
 from dogbot_logtool.robot.names import FootSet
-from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.selection import select_topics
+from dogbot_logtool.robot.topics import nothing_to_do
 from dogbot_logtool.run.runner import OnProgress
 
 

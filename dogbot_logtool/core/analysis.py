@@ -12,8 +12,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.base.foot_path import contact_path, footfalls
-from dogbot_logtool.core.base.ground import find_moving_ground, height_over_feet, with_forward_axis
+from dogbot_logtool.core.base.ground import (
+    contact_path,
+    find_moving_ground,
+    footfalls,
+    height_over_feet,
+    with_forward_axis,
+)
 from dogbot_logtool.core.base.motion import base_motion, base_track, fallen_spans, find_tipping
 from dogbot_logtool.core.base.poses import find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
@@ -200,20 +205,21 @@ def _measured(walk: Walk) -> Walk:
     )
     walk = replace(walk, loads=walk.loads_in(), stability=walk.stability_in())
     # Modules of what few logs hold are loaded for those that do.
-    if walk.corrected.commands is not None:
-        from dogbot_logtool.core.following import follow_commands  # noqa: PLC0415
+    commands, inertial = walk.corrected.commands, walk.corrected.inertial
+    if commands is not None:
+        from dogbot_logtool.core.compared import follow_commands  # noqa: PLC0415
 
-        walk = replace(walk, command_track=follow_commands(walk))
-    if walk.corrected.inertial is not None:
-        from dogbot_logtool.core.imu import compare_imu  # noqa: PLC0415
+        walk = replace(walk, command_track=follow_commands(walk, commands))
+    if inertial is not None:
+        from dogbot_logtool.core.compared import compare_imu  # noqa: PLC0415
 
-        walk = replace(walk, imu=compare_imu(walk))
+        walk = replace(walk, imu=compare_imu(walk, inertial))
     return walk
 
 
 def _with_plan(walk: Walk, planned: Walk) -> Walk:
     """Add how the feet follow their plan, if that is on the same clock."""
-    from dogbot_logtool.core.following import follow_plan  # noqa: PLC0415 - few logs hold a plan
+    from dogbot_logtool.core.compared import follow_plan  # noqa: PLC0415 - few logs hold a plan
 
     clocks = [each.settings.clock for each in (walk, planned)]
     plan = {foot.name: foot for foot in planned.feet}

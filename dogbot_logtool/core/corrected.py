@@ -9,7 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import AnyColumns, Floats, Ints
-from dogbot_logtool.core.base.foot_path import FootPath, path_in_base, path_of
+from dogbot_logtool.core.base.ground import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.motion import leaning_walk_rad
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
 from dogbot_logtool.core.contact.contacts import Samples, with_swings

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
-from dogbot_logtool.core.base.foot_path import Footfalls, FootPath, footfalls, known_path
+from dogbot_logtool.core.base.ground import Footfalls, FootPath, footfalls, known_path
 from dogbot_logtool.core.base.witness import by_legs
 from dogbot_logtool.core.corrections.clock import first_at_each_tick, too_far_apart
 from dogbot_logtool.core.frames.transforms import FrameTrack, lookup

@@ -58,7 +58,7 @@ class FootSet(NamedTuple):
     feet: tuple[Foot, ...]
     """In the order front to back, left before right, or of their numbers."""
     kind: str
-    """``corners``, ``sides`` or ``numbers``, as names differ; of fields also ``one word``, or
+    """``corners``, ``sides`` or ``numbers``, as names differ; of fields also ``one number``, or
     ``elements`` of an array or bits, of which messages have fewer."""
     part: Part = Part.UNKNOWN
     words: frozenset[str] = frozenset()

@@ -19,13 +19,6 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
 from dogbot_logtool.robot.names import FootSet
-from dogbot_logtool.robot.offers import (
-    call_of,
-    contact_findings,
-    offer_finding,
-    own_definition_findings,
-    unreadable_findings,
-)
 from dogbot_logtool.robot.robot import (
     GENERIC,
     Robot,
@@ -35,11 +28,16 @@ from dogbot_logtool.robot.robot import (
     with_settings,
 )
 from dogbot_logtool.robot.topics import (
+    call_of,
+    contact_findings,
     has_field,
     names_of,
+    offer_finding,
+    own_definition_findings,
     readable_source,
     split_topic,
     topics_of,
+    unreadable_findings,
 )
 from dogbot_logtool.robot.unknown import find_candidates
 

@@ -4,13 +4,14 @@ They are offered, with the reasons, and never taken unasked. Names choose some s
 columns of these are read of the whole log, like those of any feet, and judged together.
 """
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, Floats, median_of, norms, percentiles_of
+from dogbot_logtool.core.arrays import Flags, Floats, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.errors import DefinitionError
@@ -23,9 +24,9 @@ from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.reader.recording import read_recording
-from dogbot_logtool.robot.names import FootSet, Mark, leg_position, name_feet
+from dogbot_logtool.robot.names import FootSet, Mark, name_feet
 from dogbot_logtool.robot.topics import has_field, message_count
-from dogbot_logtool.robot.words import Part, parts_of, texts_of, word_set, words_of
+from dogbot_logtool.robot.words import Part, parts_of, texts_of, word_set
 
 CONTACT_WORDS: Final = word_set("contact contacts grf stance touch touches ground")
 FORCE_WORDS: Final = word_set(
@@ -36,7 +37,7 @@ _OTHER_PART: Final = 4
 """Points that a name costs which speaks of something else beside a foot."""
 _NEVER: Final = 20
 """Points of what cannot be feet: nothing can outweigh it."""
-_SLOW_HZ, _FAST_HZ = 5.0, 20.0
+_FAST_HZ: Final = 20.0
 _FEWEST: Final = 8
 """Samples of a foot from which its values mean something; some are sent on change only."""
 _LARGEST_STATE: Final = 3.0
@@ -45,10 +46,6 @@ _FEWEST_DOWN: Final = 0.8
 """Share of the time in which at least one foot of a walking robot is down."""
 _SAME: Final = 0.98
 """Share of the time from which two feet that agree are one signal."""
-_STEADY: Final = 0.25
-"""Largest spread of the sum of all loads, as a share of its mean."""
-_UNSTEADY: Final = 1.5
-"""Each foot's spread is at least so many times that of the sum."""
 _BOTH_DIRECTIONS: Final = 0.5
 """Share of the larger that the smaller of push and pull is, from which a number is no load."""
 _NOT_UNLOADED: Final = 0.5
@@ -165,28 +162,23 @@ def _elements(topic: str, path: str, is_a: str, kinds: _Kinds) -> tuple[Foot, ..
 
 
 def _siblings(fields: Mapping[str, Foot]) -> Iterator[FootSet]:
-    """Yield fields of which each may be a foot: by their names' legs, else by any one word."""
+    """Yield fields of which each may be a foot: by their names' legs, else by any one number."""
     chosen, others = name_feet(fields, contacts_only=True)
     sets = [one for one in (chosen, *others) if one]
     for one in sets:
         told = [(foot, fields[foot.topic]) for foot in one.feet]
         feet = [replace(foot, topic=own.topic, field=own.field) for foot, own in told]
         yield one._replace(feet=tuple(feet))
-    groups: dict[tuple[str, ...], dict[str, str]] = {}
+    groups: dict[str, dict[int, str]] = {}
     for name in sorted(fields)[:_MOST_NAMES]:
-        words = [word.text for word in words_of(name)]
-        for index, word in enumerate(words):
-            key = (str(index), *words[:index], *words[index + 1 :])
-            groups.setdefault(key, {})[word] = name
+        for number in re.finditer("[0-9]{1,9}", name):
+            key = f"{name[: number.start()]}#{name[number.end() :]}"
+            groups.setdefault(key, {})[int(number[0])] = name
     for group in groups.values():
         known = any(one.topics >= {*group.values()} for one in sets)
         if _FEWEST_FEET < len(group) <= _MOST_FEET and not known:
-            feet = []
-            for word in sorted(group, key=lambda each: (int(each) if each.isdigit() else 0, each)):
-                name = f"foot_{word}" if word.isdigit() else word
-                own = fields[group[word]]
-                feet.append(replace(own, name=name, leg_position=leg_position(name)))
-            yield FootSet(tuple(feet), "one word")
+            feet = [replace(fields[name], name=f"foot_{n}") for n, name in sorted(group.items())]
+            yield FootSet(tuple(feet), "one number")
 
 
 # By content
@@ -241,8 +233,7 @@ def name_marks(names: Collection[str], type_name: str, rate_hz: float | None) ->
     if texts & (CONTACT_WORDS | FORCE_WORDS):
         yield 1, "of contact or force"
     if rate_hz is not None:
-        points = 1 if rate_hz >= _FAST_HZ else -2 if rate_hz < _SLOW_HZ else 0
-        yield points, f"{rate_hz:.0f} messages a second"
+        yield int(rate_hz >= _FAST_HZ), f"{rate_hz:.0f} messages a second"
 
 
 def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
@@ -300,14 +291,7 @@ def _in_time(down: Flags) -> Iterator[Mark]:
 
 
 def _of_loads(signed: Floats) -> Iterator[Mark]:
-    """Judge loads, (n, feet): together they are a weight, and the ground does not pull."""
-    values = np.abs(signed)
-    total = values.sum(axis=1)
-    if (mean := float(total.mean())) > 0.0:
-        spread = float(total.std()) / mean
-        own = float(median_of(values.std(axis=0) / np.maximum(values.mean(axis=0), 1e-12)))
-        if spread <= _STEADY and own >= _UNSTEADY * spread:
-            yield 3, f"together they stay within {spread:.0%} of {mean:.4g}, as a weight does"
+    """Judge loads, (n, feet): the ground does not pull."""
     low, high = percentiles_of(signed, _TENTH, axis=0)
     smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
     if ((low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)).any():

@@ -23,7 +23,7 @@ DEFINITIONS: Final = {
     "odd_msgs/msg/LoadCell": "uint32 rows\nuint32 cols\nfloat32[] data\n",
     "odd_msgs/msg/Counts": "int16 value\n",
     "odd_msgs/msg/Touch": "bool is_down\n",
-    "odd_msgs/msg/Bits": "int8 foot_contacts\nfloat32 battery\n",
+    "odd_msgs/msg/Bits": "int8 foot_contacts\nfloat32 battery\nuint32 contact_number\n",
     "odd_msgs/msg/Pressures": "".join(f"float64 {leg}_foot\n" for leg in ("LF", "RF", "LH", "RH")),
     "odd_msgs/msg/Soles": "".join(f"float32 {cell}\n" for cell in CELLS),
     "odd_msgs/msg/Pad": "string name\nfloat64 load\n",

@@ -182,6 +182,7 @@ def inside(kind: str, time_s: float, loads: list[float]) -> dict[str, Any]:
         "Bits": {
             "foot_contacts": sum(1 << n for n, load in enumerate(loads) if load) - 128,
             "battery": 50.0 - time_s,
+            "contact_number": round(time_s * 100),
         },
         "Pressures": dict(zip(feet, loads, strict=True)),
         "Pads": {"pads": list(zip(feet, loads, strict=True))},
@@ -205,6 +206,7 @@ def walk_in(kind: str, path: Path, unloaded: float = 0.0) -> Path:
 def test_feet_inside_one_message_in_two_commands(tmp_path: Path, kind: str) -> None:
     path, paths = walk_in(kind, tmp_path / "walk.mcap"), INSIDE[kind][1]
     told = forked_cli.run("info", path, environment={"COLUMNS": "400"})
+    assert "contact_number" not in told.stdout
     words = command(told.stdout)
     if words[0] == "robots":
         words = command(forked_cli.run(*words, folder=tmp_path).stderr)

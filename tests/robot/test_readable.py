@@ -11,8 +11,8 @@ from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Severity
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.selection import Selection, select_topics
+from dogbot_logtool.robot.topics import nothing_to_do
 
 ODOMETRY, CONTACTS, TF = "nav_msgs/Odometry", "gazebo_msgs/ContactsState", "tf2_msgs/TFMessage"
 Channel = tuple[str, str, bytes, str]

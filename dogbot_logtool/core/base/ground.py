@@ -1,4 +1,8 @@
-"""The ground under the base, as the feet's contact points show it: height, slope, forward."""
+"""Where feet are and stand, by messages, transforms or joints, and what that tells of the ground.
+
+Contact points in the world, and places in the base's axes put there by its poses, tell height and
+slope of the ground, which way is forward, and whether the ground moves.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,21 +11,166 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Ints, all_finite, interpolated, median_of
-from dogbot_logtool.core.base.foot_path import Footfalls, contact_path, footfalls
+from dogbot_logtool.core.arrays import (
+    Flags,
+    Float32s,
+    Floats,
+    Ints,
+    all_finite,
+    interpolated,
+    median_of,
+)
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stances import Cut, Stances
+from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Base
-from dogbot_logtool.core.rotations import along_heading
+from dogbot_logtool.core.rotations import along_heading, conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import WalkSettings
+
+RATE_HZ: Final = 200.0
+"""At which paths that messages tell are kept."""
+LONGEST_STEP_S: Final = 0.1
+"""s between two messages; a longer step is a silence, across which nothing is interpolated."""
+
+
+def silent_before(time: Ints) -> Flags:
+    """(n,) whether a silence lies between a row and the one before; time: (n,) ns."""
+    silent: Flags = np.diff(time, prepend=time[:1]) > LONGEST_STEP_S * 1e9
+    return silent
+
+
+def unbroken(time: Ints, breaks: Flags, start: Ints, end: Ints) -> Flags:
+    """Tell which spans rows cover to their ends, without a break between two of the rows.
+
+    Args:
+        time: (n,) ns, of the rows, increasing.
+        breaks: (n,) whether one lies between a row and the one before.
+        start: (m,) ns.
+        end: (m,) ns.
+    """
+    if not len(time):
+        return np.zeros(len(start), np.bool_)
+    so_far = np.cumsum(breaks)
+    first = np.searchsorted(time, start, side="right") - 1
+    last = np.searchsorted(time, end, side="left")
+    inside = (first >= 0) & (last < len(time))
+    whole: Flags = inside & (so_far[np.minimum(last, len(time) - 1)] == so_far[first])
+    return whole
+
+
+class FootPath(NamedTuple):
+    """The point of a foot over time, in the base's frame or in the world."""
+
+    time: Ints
+    """(n,) ns, strictly increasing."""
+    position: Floats | Float32s
+    """(n, 3) m."""
+    broken: Flags
+    """(n,) whether a silence lies between a row and the one before."""
+
+    def at(self, time: Ints) -> Floats:
+        """Interpolate linearly; time's shape and 3, m; NaN in silences and outside."""
+        if len(self.time) == 0:
+            return np.full((*time.shape, 3), np.nan)
+        position = interpolated(time, self.time, self.position)
+        after = np.minimum(np.searchsorted(self.time, time), len(self.time) - 1)
+        outside = (time < self.time[0]) | (time > self.time[-1]) | self.broken[after]
+        position[outside] = np.nan
+        return position
+
+    def unbroken(self, start: Ints, end: Ints) -> Flags:
+        """(m,) whether the path is known all the way between two times each."""
+        return unbroken(self.time, self.broken, start, end)
+
+    def in_world(self, base: BaseHistory) -> "FootPath":
+        """Place the path in the world by the base's poses; times without one are left out."""
+        turn = from_roll_pitch_yaw(base.angles_at(self.time))
+        position = base.position_at(self.time) + rotate(turn, self.position.astype(np.float64))
+        return known_path(self.time, position)
+
+
+def path_of(time: Ints, position: Floats | Float32s) -> FootPath:
+    """Return the path of a foot by positions that messages tell, (n, 3) m; NaN: not known."""
+    advances = advancing(time)
+    rows = np.flatnonzero(advances)
+    rows = rows[first_at_each_tick(time[rows], RATE_HZ)]
+    return known_path(time[rows], position[rows])
+
+
+def path_in_base(time: Ints, position: Floats | Float32s, base: BaseHistory) -> FootPath:
+    """Return the path of a foot in the base's axes by its positions in the world, (n, 3) m."""
+    turn = conjugate(from_roll_pitch_yaw(base.angles_at(time)))
+    return path_of(time, rotate(turn, position.astype(np.float64) - base.position_at(time)))
+
+
+def contact_path(foot: FootHistory) -> FootPath:
+    """Return the path of a foot in the world by its contact points."""
+    return known_path(*foot.track.contact_points)
+
+
+def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
+    """Return the path of the times whose positions are known."""
+    known = all_finite(position)
+    return FootPath(time[known], position[known], silent_before(time[known]))
+
+
+MIDDLE: Final = (0.2, 0.8)
+"""Shares of a stance between which the foot is loaded and should be at rest."""
+
+
+_SEEN: Final = (Cut.WHOLE, Cut.LOG_START, Cut.LOG_END, Cut.STANDING)
+"""Stances between whose ends the foot is known to stand."""
+
+
+class Footfalls(NamedTuple):
+    """Position of a foot in each of its stances."""
+
+    time: Ints
+    """(stances,) ns, the middle of the stance."""
+    position: Floats
+    """(stances, 3) m, at that time; NaN where not known. Also `first` and `last`, at 20 % and 80 %
+    of the stance."""
+    first: Floats
+    last: Floats
+    travel_m: Floats
+    """(stances,) m, distance between these two."""
+    velocity: Floats
+    """(stances, 2) m/s, horizontally, from the one to the other."""
+    slip_m: Floats
+    """(stances,) m, the same on the ground only; also `largest_slip_m`, the furthest that it is
+    in between from where it is at 20 %."""
+    largest_slip_m: Floats
+
+
+def footfalls(path: FootPath, stances: Stances) -> Footfalls:
+    """Return where a foot stands, by its path in the world."""
+    duration = stances.liftoff - stances.touchdown
+    steps = np.linspace(*MIDDLE, 13)
+    time = stances.touchdown[:, None] + np.rint(duration[:, None] * steps).astype(np.int64)
+    position = path.at(time)
+    known = path.unbroken(time[:, 0], time[:, -1]) & np.isin(stances.cut, _SEEN)
+    position[~known] = np.nan
+    displacement = position - position[:, :1]
+    flat = np.hypot(displacement[:, :, 0], displacement[:, :, 1])
+    seconds = np.ptp(time, axis=1) / 1e9
+    return Footfalls(
+        time=stances.middle,
+        position=position[:, len(steps) // 2],
+        first=position[:, 0],
+        last=position[:, -1],
+        velocity=displacement[:, -1, :2] / np.where(seconds, seconds, np.nan)[:, None],
+        travel_m=np.sqrt((displacement[:, -1] ** 2).sum(axis=1)),
+        slip_m=flat[:, -1],
+        largest_slip_m=flat.max(axis=1, initial=0.0),
+    )
+
 
 LOWEST_M: Final = 1e-3
 """m, lowest usual height of a base over its feet."""
 LOWEST: Final = 0.15
 """The same as a share of the feet's spread: poses that count z from the ground are lower."""
-FURTHEST: Final = 1.5
-"""Times height and spread of the feet by which the base may be away from them, seen from above."""
 FLAT: Final = 0.1
 """Share of their extent by which points may deviate from a plane."""
 FEWEST_POINTS: Final = 3
@@ -34,15 +183,12 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
 
     Returns:
         (n,) m, at each pose; NaN before any contact point, and throughout where the contact
-        points are in another world than the base: below it nowhere, or far to its side.
+        points are in another world than the base, not below it.
     """
     offset = _base_from_feet(base, feet)
-    known = offset[all_finite(offset)]
-    if len(known) == 0:
-        return np.full(len(base.time), np.nan)
-    aside = median_of(np.hypot(known[:, 0], known[:, 1]))
-    height, spread = median_of(known[:, 2]), median_of(known[:, 3])
-    if height < max(LOWEST_M, LOWEST * spread) or aside > FURTHEST * (height + spread):
+    known = offset[all_finite(offset), 2:]
+    height, spread = median_of(known, axis=0) if len(known) else (0.0, 0.0)
+    if height < max(LOWEST_M, LOWEST * spread):
         return np.full(len(base.time), np.nan)
     stood = [footfalls(contact_path(foot), foot.stances) for foot in feet]
     normal = _ground_normal(stood, timespans.ALWAYS)
@@ -243,8 +389,5 @@ def usual_places(
 def nearest_axis(direction: Floats) -> str | None:
     """Return the axis that a (2,) direction in the body clearly follows; None: it does not."""
     x, y = direction.tolist()
-    if max(abs(x), abs(y)) <= CLEARLY * min(abs(x), abs(y)):
-        return None
-    if abs(x) > abs(y):
-        return "+x" if x > 0.0 else "-x"
-    return "+y" if y > 0.0 else "-y"
+    less, more = sorted([(abs(x), "-x" if x < 0.0 else "+x"), (abs(y), "-y" if y < 0.0 else "+y")])
+    return more[1] if more[0] > CLEARLY * less[0] else None

@@ -16,8 +16,7 @@ from dogbot_logtool.core.arrays import (
     median_of,
     percentiles_of,
 )
-from dogbot_logtool.core.base.foot_path import Footfalls
-from dogbot_logtool.core.base.ground import LOWEST_M, slope_rad
+from dogbot_logtool.core.base.ground import LOWEST_M, Footfalls, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrections.clock import first_at_each_tick

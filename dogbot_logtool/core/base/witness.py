@@ -24,7 +24,7 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     norms,
 )
-from dogbot_logtool.core.base.foot_path import RATE_HZ, FootPath, contact_path, footfalls
+from dogbot_logtool.core.base.ground import RATE_HZ, FootPath, contact_path, footfalls
 from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory

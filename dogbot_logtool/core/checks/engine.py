@@ -219,10 +219,7 @@ def _has_points(foot: FootSteps) -> bool:
 
 
 DOES_NOT_APPLY: Final = "does not apply"
-WHOLE_ONLY: Final = "measured over the whole log only"
 _SEGMENTS: Final = ("gait", "segments")
-_NOT_OF_SEGMENTS: Final = ("planned", "height_over_stride_m")
-"""Metrics of a foot that are measured over the whole log only."""
 
 
 def null_because(metrics: WalkMetrics, walk: Walk, findings: Sequence[Finding]) -> dict[str, str]:
@@ -248,8 +245,7 @@ def null_because(metrics: WalkMetrics, walk: Walk, findings: Sequence[Finding]) 
             segment = metrics.gait.segments[int(path[len(_SEGMENTS)])]
             own = segment.feet[below[1]] if below[0] == "feet" else segment.gait
             lacks = {"strides": not own.strides}
-        is_whole = below != path and below[-1] in _NOT_OF_SEGMENTS
-        reasons[name] = WHOLE_ONLY if is_whole else _reason(below, field, lacks, findings)
+        reasons[name] = _reason(below, field, lacks, findings)
     return reasons
 
 

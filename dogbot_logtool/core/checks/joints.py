@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, median_of
-from dogbot_logtool.core.base.foot_path import FootPath
+from dogbot_logtool.core.base.ground import FootPath
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.checks.feet import direction_is_doubtful
 from dogbot_logtool.core.gait.feet import FootSteps, stride_curve

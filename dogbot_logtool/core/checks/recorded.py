@@ -215,6 +215,10 @@ def _evidence(seen: WrenchFrameEvidence) -> str:
     return f"{'; '.join(told)}; {seen.samples} samples"
 
 
+FEW: Final = 0.005
+"""Share of messages that may lack transforms: those before the first pose, say."""
+
+
 def transform_findings(frames: WorldFrames, counts: Counts) -> Iterator[Finding]:
     """Yield how often the frames told what was asked of them."""
     points, (turned, placed) = [point for point in frames.points if point], counts
@@ -224,6 +228,7 @@ def transform_findings(frames: WorldFrames, counts: Counts) -> Iterator[Finding]
         (not all(point.recorded for point in points), placed, "origins"),
     ):
         if wanted:
-            cases = ("none",) if not left else ("forces",) if what == "forces" else ()
+            few = left <= FEW * done
+            cases = ("few",) if few else ("forces",) if what == "forces" else ()
             missing = f"; transforms were missing for {left:,}" if left else ""
             yield found("TRANSFORMS_MISSING", *cases, say=what, done=done, missing=missing)

@@ -8,8 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of
-from dogbot_logtool.core.base.foot_path import Footfalls
-from dogbot_logtool.core.base.ground import MovingGround
+from dogbot_logtool.core.base.ground import Footfalls, MovingGround
 from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory

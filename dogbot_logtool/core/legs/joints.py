@@ -14,7 +14,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     median_of,
 )
-from dogbot_logtool.core.base.foot_path import (
+from dogbot_logtool.core.base.ground import (
     LONGEST_STEP_S,
     Footfalls,
     FootPath,

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.base.foot_path import contact_path, footfalls
+from dogbot_logtool.core.base.ground import contact_path, footfalls
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import (

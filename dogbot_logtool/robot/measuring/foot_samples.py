@@ -23,8 +23,8 @@ from dogbot_logtool.core.sensors import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.robot.names import foot_name, leg_of, leg_position
-from dogbot_logtool.robot.offers import not_calibrated
 from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.topics import not_calibrated
 
 _LOAD_SHARE: Final = 0.2
 """Share of all feet's load from which a foot cannot be in the air."""

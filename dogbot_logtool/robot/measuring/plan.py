@@ -19,10 +19,9 @@ from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import BASES
 from dogbot_logtool.robot.feet import planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
-from dogbot_logtool.robot.offers import nothing_to_do
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection, select_topics
-from dogbot_logtool.robot.topics import joint_channels, side_topics
+from dogbot_logtool.robot.topics import joint_channels, nothing_to_do, side_topics
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import LegSettings

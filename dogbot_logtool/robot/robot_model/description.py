@@ -1,15 +1,27 @@
-"""A robot's description: the log's own, the user's file, or one of primitives; its moving links."""
+"""A robot's description: the log's own, the user's, or one of primitives; its limbs over time.
 
-from collections.abc import Sequence
+The URDF of primitives is a robot of boxes, cylinders and spheres to look at where the log has no
+model. Its links are the log's own frames, so that the log's transforms move it; the origins of its
+joints are their first recorded poses, so that it stands before the first transform. Joints are
+floating: how they move is not known.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import acos, atan2, hypot
 from pathlib import Path
 from typing import Final, NamedTuple
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, header_time
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, header_time, median_of
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
+from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
+from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.recording import JointTable
+from dogbot_logtool.core.rotations import roll_pitch_yaw, rotate
+from dogbot_logtool.core.scene.feet import colour_parts, foot_colour
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.errors import CallError, DefinitionError
 from dogbot_logtool.finding import Finding, found
@@ -19,7 +31,8 @@ from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.messages.messages import definition_of
-from dogbot_logtool.robot.robot_model.drawing import primitive_urdf, robot_shape, skeleton
+from dogbot_logtool.robot.measuring.legs import leg_chains
+from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, parse_urdf, read_robot
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.topics import first_messages
@@ -176,3 +189,263 @@ def without_legs(reason: str, call: str) -> Finding:
     told = found("NO_FEET", say="joints", reason=reason)
     text = f"{told.text}; with it, this measures the gait: {call}" if call else told.text
     return replace(told, text=text, command=call)
+
+
+# --- what is drawn: frames below the base, shape, limbs over time --------------------------------
+
+_INSIDE: Final = 0.75
+"""Hips over feet: how much nearer to the middle of the body they are assumed to be."""
+_DENSITY: Final = 500.0
+"""kg/m3 of a body whose legs are not known; half of water's, as robots have."""
+_USUAL_MASS_KG: Final = 12.0
+_ORIGIN: Final = (0.0, 0.0, 0.0)
+_GRID_M: Final = 0.02
+"""m, to which points of soles are rounded: a picture needs no more."""
+MOST_FRAMES: Final = 64
+"""Frames of a robot that are followed."""
+
+
+class Skeleton(NamedTuple):
+    """The frames below the base."""
+
+    base: str
+    frames: Mapping[str, FrameTrack]
+    """By name, parents before children."""
+    legs: Mapping[int, tuple[str, ...]]
+    """The frames from that of a foot up to the child of the base, by foot, where they are known."""
+    soles: Mapping[int, Point]
+    """m, where these feet touch the ground in their frames."""
+
+    @property
+    def limbs(self) -> list[str]:
+        """The frames of legs, and others that move."""
+        legs = {frame for leg in self.legs.values() for frame in leg}
+        return [name for name, own in self.frames.items() if name in legs or not own.static]
+
+
+class RobotShape(NamedTuple):
+    """The known shape of the robot."""
+
+    forward_axis: str
+    """The body axis that points forward, ``+x`` ..."""
+    hips: Mapping[int, Point]
+    """m, base frame: where legs are assumed to begin, by foot."""
+    height_m: float
+    """Height of the base above the feet."""
+    size_m: float
+    """Length of the body, or its height above the feet if that is more."""
+
+
+def skeleton(selection: Selection, probe: KnownFrames, links: Mapping[str, FrameTrack]) -> Skeleton:
+    """Return the frames of a log that hang below the base; those with two parents do not.
+
+    Args:
+        selection: the robot's feet.
+        probe: the frames that the log's transforms place.
+        links: those that joint states place.
+    """
+    base, known = probe.base, {**links, **probe.tracks(probe.parent_of)}
+    parents = {child: track.parent for child, track in known.items()}
+    chains = {child: chain_of_frames(parents, child, base) or () for child in known}
+    below = sorted((len(chain), child) for child, chain in chains.items() if chain)
+    frames = {child: known[child] for _, child in below}
+    legs, soles = dict[int, tuple[str, ...]](), dict[int, Point]()
+    for number, leg in enumerate(leg_chains(selection, probe, parents)):
+        if leg is not None:
+            is_given = selection.robot.feet[number].frame is not None
+            legs[number] = leg.frames
+            soles[number] = leg.point if is_given else _rounded(leg.point)
+    return Skeleton(base, frames, legs, soles)
+
+
+def _rounded(point: Point) -> Point:
+    x, y, z = (np.round(np.array(point) / _GRID_M) * _GRID_M + 0.0).tolist()
+    return x, y, z
+
+
+def robot_shape(walk: Walk) -> RobotShape:
+    """Return what the positions of standing feet, else the mass, tell of a robot's shape."""
+    found = walk.frames.stances(walk.recording.feet)
+    stances = {foot: _rounded(point) for foot, point in found.items()}
+    length = height = body_size_m(walk.settings.mass_kg)[0]
+    if stances:
+        points = np.array(list(stances.values()))
+        height = max(-float(median_of(points[:, 2])), 0.0) or length
+        length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
+    hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
+    return RobotShape(walk.settings.forward_axis, hips, height, max(length, height))
+
+
+def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
+    """Return length, width and height, m, of a body of some mass; None: a usual one."""
+    third = ((mass_kg or _USUAL_MASS_KG) / _DENSITY / 6.0) ** (1.0 / 3.0)
+    return 3.0 * third, 2.0 * third, third
+
+
+class Limbs(NamedTuple):
+    """The origins of frames below the base, and the feet's soles, over time."""
+
+    point: Float32s
+    """(n, k, 3) m, in the base's frame; NaN where not known."""
+    parents: tuple[int, ...]
+    """(k,) index of the point that each hangs on; -1: the base."""
+    soles: tuple[int | None, ...]
+    """Index of each foot's sole; None: its frame is not known."""
+
+
+def find_limbs(walk: Walk, selection: Selection, time: Ints) -> Limbs | None:
+    """Follow the frames of a robot; None where nothing connects any with its base.
+
+    The log's transforms place them, or its joint states with its robot description.
+
+    Args:
+        walk: what was measured.
+        selection: the robot's feet.
+        time: (n,) ns on the walk's clock, increasing.
+    """
+    known = skeleton(selection, walk.frames, walk.legs.links if walk.legs else {})
+    drawn, base = known.limbs, known.base
+    # Whether a transform was recorded late changes no picture.
+    tracks = {name: own._replace(log_time=own.time) for name, own in known.frames.items()}
+    if not drawn or len(drawn) > MOST_FRAMES:
+        return None
+    parents = {child: track.parent for child, track in known.frames.items()}
+    feet = {foot: (frames[0], known.soles[foot]) for foot, frames in known.legs.items()}
+    points: list[Floats] = []
+    for frame, point in (*((frame, _ORIGIN) for frame in drawn), *feet.values()):
+        pose = lookup(tracks, frame, base, time, time)
+        points.append(pose.translation + rotate(pose.rotation, np.array([point])))
+    above = [*(parents[frame] for frame in drawn), *(frame for frame, _ in feet.values())]
+    sole = {foot: len(drawn) + index for index, foot in enumerate(feet)}
+    return Limbs(
+        np.stack(points, axis=1).astype(np.float32),
+        tuple(_nearest(drawn, parents, base, frame) for frame in above),
+        tuple(sole.get(foot) for foot in range(len(selection.robot.feet))),
+    )
+
+
+def _nearest(drawn: Sequence[str], parents: Mapping[str, str], base: str, frame: str) -> int:
+    """Return the index of a frame or, where it is not drawn, of the next above; -1: the base."""
+    while frame != base and frame not in drawn:
+        frame = parents[frame]
+    return -1 if frame == base else drawn.index(frame)
+
+
+# --- a URDF of primitives ---
+
+_AXES: Final = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0)}
+_FEWEST_HIPS: Final = 3
+"""Assumed hips that span a body."""
+_SHORTEST_LIMB_M: Final = 0.01
+_THICKNESS: Final = 0.045
+"""Radius of a limb over the length of a leg."""
+_THINNEST_M, _THICKEST_M = 0.005, 0.04
+_COLOURS: Final = {"body": "#b8bec6", "limb": "#5c6470", "nose": "#2f3640"}
+
+
+def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str:
+    """Return the URDF of a body, limbs between joints, feet in their colours, and a nose.
+
+    Args:
+        described: its name, and its mass, which gives the body's size where the legs do not.
+        frames: below its base.
+        shape: which axis points forward, and where legs without frames are assumed to begin.
+    """
+    robot = ET.Element("robot", name=described.name)
+    materials = {foot: f"foot {described.feet[foot].name}" for foot in frames.legs}
+    colours = _COLOURS | {name: foot_colour(foot) for foot, name in materials.items()}
+    for material, colour in colours.items():
+        element = ET.SubElement(robot, "material", name=material)
+        ET.SubElement(element, "color", rgba=_text([*colour_parts(colour), 1.0]))
+    links = {
+        frame: ET.SubElement(robot, "link", name=frame) for frame in (frames.base, *frames.frames)
+    }
+    centre, size = _body(described, frames, shape)
+    _add_visual(links[frames.base], "body", "box", centre, size=size)
+    forward = np.array(_AXES[shape.forward_axis])
+    depth, across = 0.15 * size.max(), 0.4 * size[:2][forward[:2] == 0].item()
+    nose = np.where(forward != 0, depth, across)
+    nose[2] = 0.6 * size.min()
+    middle = centre + forward * (size + depth) / 2.0
+    _add_visual(links[frames.base], "nose", "box", middle, size=nose)
+    radius = _limb_radius(frames)
+    hips = {leg[-1] for leg in frames.legs.values()}
+    for frame in (each for each in frames.limbs if each not in hips):
+        track = frames.frames[frame]
+        _add_limb(links[track.parent], track.translation[0], radius)
+        _add_visual(links[frame], "limb", "sphere", radius=[radius])
+    for foot, (frame, *_) in frames.legs.items():
+        point = frames.soles[foot]
+        _add_limb(links[frame], point, radius)
+        _add_visual(links[frame], materials[foot], "sphere", point, radius=[1.6 * radius])
+    for child, track in frames.frames.items():
+        kind = "fixed" if track.static else "floating"
+        joint = ET.SubElement(robot, "joint", name=f"{track.parent} to {child}", type=kind)
+        angles = roll_pitch_yaw(track.rotation[:1])[0]
+        ET.SubElement(joint, "origin", xyz=_text(track.translation[0]), rpy=_text(angles))
+        ET.SubElement(joint, "parent", link=track.parent)
+        ET.SubElement(joint, "child", link=child)
+    ET.indent(robot)
+    return ET.tostring(robot, encoding="unicode") + "\n"
+
+
+def _body(robot: Robot, frames: Skeleton, shape: RobotShape) -> tuple[Floats, Floats]:
+    """Return centre and size, m, of the box between the hips; of the mass's size without hips.
+
+    The latter stands on the base's origin where the robot is a biped.
+    """
+    hips = [frames.frames[leg[-1]].translation[0] for leg in frames.legs.values()]
+    if not hips and len(shape.hips) >= _FEWEST_HIPS:
+        hips = [np.array(hip) for hip in shape.hips.values()]
+    if not hips:
+        length, width, height = body_size_m(robot.mass_kg)
+        upright = len(robot.feet) == 2
+        length, height = (height, length) if upright else (length, height)
+        length, width = (length, width) if _AXES[shape.forward_axis][0] else (width, length)
+        centre = np.array([0.0, 0.0, 0.5 * height if upright else 0.0])
+        return centre, np.array([length, width, height])
+    low, high = np.min(hips, axis=0), np.max(hips, axis=0)
+    longest = max(float((high - low)[:2].max()), 0.1)
+    size = np.maximum(high - low, 0.4 * longest)
+    size[2] = 0.25 * longest
+    return (low + high) / 2.0, size
+
+
+def _limb_radius(frames: Skeleton) -> float:
+    """Return the radius of limbs, m, by the length of the longest leg."""
+    lengths = [
+        sum(hypot(*frames.frames[frame].translation[0]) for frame in leg[:-1])
+        + hypot(*frames.soles[foot])
+        for foot, leg in frames.legs.items()
+    ]
+    return min(max(_THICKNESS * max(lengths, default=0.5), _THINNEST_M), _THICKEST_M)
+
+
+def _add_limb(link: ET.Element, end: Sequence[float] | Floats, radius: float) -> None:
+    """Add a cylinder from a link's origin to a point, where it is long enough to be seen."""
+    length = hypot(*end)
+    if length >= _SHORTEST_LIMB_M:
+        x, y, z = end
+        turn = (0.0, acos(min(max(z / length, -1.0), 1.0)), atan2(y, x))
+        middle = (x / 2.0, y / 2.0, z / 2.0)
+        _add_visual(link, "limb", "cylinder", middle, turn, radius=[radius], length=[length])
+
+
+def _add_visual(
+    link: ET.Element,
+    material: str,
+    shape: str,
+    centre: Sequence[float] | Floats = _ORIGIN,
+    turn: Sequence[float] = _ORIGIN,
+    **sizes: Sequence[float] | Floats,
+) -> None:
+    visual = ET.SubElement(link, "visual")
+    ET.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(turn))
+    geometry = {name: _text(numbers) for name, numbers in sizes.items()}
+    ET.SubElement(ET.SubElement(visual, "geometry"), shape, geometry)
+    ET.SubElement(visual, "material", name=material)
+
+
+def _text(numbers: Sequence[float] | Floats) -> str:
+    """Return numbers, rounded to micrometres, as a URDF has them; -0 is 0."""
+    return " ".join(f"{round(float(number), 6) + 0.0:.6g}" for number in numbers)
