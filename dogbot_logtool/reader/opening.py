@@ -35,14 +35,15 @@ _TAKEN_FOR_TEXT: Final = (
     *(_BYTE_ORDER_MARK + each.magic for each in CONTAINERS),
 )
 _PACKED: Final = (
-    b"\x1f\x8b",  # gzip
-    b"BZh",  # bzip2
-    b"\xfd7zXZ\0",  # xz
-    b"\x04\x22\x4d\x18",  # lz4
-    ZSTD_MAGIC,  # within zstd
-    b"PK",  # zip
-    b"7z\xbc\xaf\x27\x1c",  # 7z
+    ZSTD_MAGIC,
+    b"\x1f\x8b",
+    b"BZh",
+    b"\xfd7zXZ",
+    b"\x04\x22\x4d\x18",
+    b"PK",
+    b"7z\xbc\xaf",
 )
+"""Of zstd within zstd, gzip, bzip2, xz, lz4, zip and 7z."""
 _ZEROS: Final = (
     "begins with zeros where a log says what it is: room was made for it, but its start was never "
     "written (a crash or a copy that broke off); copy it again"

@@ -23,6 +23,7 @@ def bags_with_a_wrong_index() -> Iterator[Case]:
     what = "the log's statistics count 13 messages of /left, but 6 were found"
     wrong = put(data, place + 4, U32.pack(9))
     yield Case("count in the index", bag, wrong, what, index_is_true=False)
+    yield Case("connection in the index", bag, put(data, place, U32.pack(9)), "contradicts the ch")
     cut = put(data[: data.rindex(b"ver=") - 16], 13, bag_header(bag.index_place, 2, 2))
     yield Case("unnamed chunk", bag, cut, "contradicts the chunks")
     what = f"the index of the chunk at byte {start} is wrong"
@@ -97,7 +98,9 @@ def bags_with_damaged_chunks() -> Iterator[Case]:
         for indexed in (False, True) if compression != "none" else ():
             bag, data = built(small_bag(compression), indexed=indexed)
             what = f"the chunk at byte {bag.chunk_starts[1]} was left out: its {compression}"
-            yield Case("data", bag, flipped(data, bag.chunk_ends[1] - 20, 0xFF), what, SECOND_CHUNK)
+            for place in (20, 1):
+                harmed = flipped(data, bag.chunk_ends[1] - place, 0xFF)
+                yield Case("data", bag, harmed, what, SECOND_CHUNK)
         case = built(small_bag(compression), in_index_section=swapped)
         start = case[0].chunk_starts[0]
         what = "connection 0 is described in two ways: as /right of type std_msgs/String and, at "

@@ -92,6 +92,14 @@ def test_split_files_are_one_log(tmp_path: Path, plugin: StoragePlugin) -> None:
     assert len(reading.topics) == 5
 
 
+def test_what_a_file_lacks_ends_where_the_next_one_begins(tmp_path: Path) -> None:
+    whole = split(tmp_path, StoragePlugin.MCAP)
+    first = whole / "walk_0.mcap"
+    first.write_bytes(first.read_bytes()[:-2000])
+    losses = [loss for loss in read_file(whole).losses if loss.file == first.name]
+    assert {loss.end_time for loss in losses} == {ENTRIES[40].log_time}
+
+
 @pytest.mark.parametrize("column", ["message_definitions", "schema"])
 def test_definitions_are_known_where_the_log_has_none(tmp_path: Path, column: str) -> None:
     bag = write(tmp_path / "bag")
@@ -103,17 +111,24 @@ def test_definitions_are_known_where_the_log_has_none(tmp_path: Path, column: st
     assert all(schema and b"Header header" in schema.data for schema in kinds.values())
 
 
-@pytest.mark.parametrize("table", ["messages", "topics"])
-def test_what_only_looks_like_a_bag_is_refused(tmp_path: Path, table: str) -> None:
+@pytest.mark.parametrize(
+    "how", ["DROP TABLE messages", "DROP TABLE topics", "ALTER TABLE messages RENAME data TO raw"]
+)
+def test_what_only_looks_like_a_bag_is_refused(tmp_path: Path, how: str) -> None:
     bag = write(tmp_path / "bag")
-    change(database(bag), f"DROP TABLE {table}")
+    change(database(bag), how)
     with pytest.raises(LogError, match="ROS 2 bag"):
         open_log(bag)
 
 
-def test_a_message_that_swells_is_lost(tmp_path: Path) -> None:
-    bomb = zstandard.ZstdCompressor(level=19).compress(bytes(200 << 20))
-    entries = [*ENTRIES[:5], Entry("/odom", "nav_msgs/msg/Odometry", ENTRIES[5].log_time, bomb)]
+BOMB = zstandard.ZstdCompressor(level=19).compress(bytes(200 << 20))
+
+
+@pytest.mark.parametrize(
+    "data", [BOMB, zstandard.compress(b"x" * 999)[:-3]], ids=["swells", "cut off"]
+)
+def test_a_message_that_swells_or_is_cut_off_is_lost(tmp_path: Path, data: bytes) -> None:
+    entries = [*ENTRIES[:5], Entry("/odom", "nav_msgs/msg/Odometry", ENTRIES[5].log_time, data)]
     reading = read_file(write(tmp_path / "bag", entries=entries))
     assert list(reading.messages) == expected(ENTRIES[:5])
     assert reading.lost == 1
@@ -201,7 +216,9 @@ def test_messages_of_a_missing_file_are_counted_once(tmp_path: Path) -> None:
     assert reading.lost == 70
 
 
-BOMB = "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 10)}]\n" for n in range(9))
+YAML_BOMB = "".join(
+    f"a{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 10)}]\n" for n in range(9)
+)
 
 
 @pytest.mark.parametrize(
@@ -211,7 +228,7 @@ BOMB = "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 10)}]\n"
         ("\0", "does not name the files"),
         ("[" * 400_000, "does not name the files"),
         (
-            BOMB + "rosbag2_bagfile_information: {relative_file_paths: *a8}",
+            YAML_BOMB + "rosbag2_bagfile_information: {relative_file_paths: *a8}",
             "does not name the files",
         ),
         ("a" * 600_000, "is larger than 512 kB"),

@@ -171,3 +171,15 @@ def test_rows_behind_a_damaged_page_are_read(tmp_path: Path, which: int) -> None
     assert (loss.offset, loss.bytes) == (start, PAGE)
     assert loss.start_time == (None if which == 0 else missing[0] - 1)
     assert loss.end_time == (None if which == -1 else missing[-1] + 1)
+
+
+def test_a_message_whose_further_pages_are_gone_is_lost(tmp_path: Path) -> None:
+    path = make(tmp_path / "log.db3", "UPDATE messages SET data = zeroblob(9000) WHERE id = 7")
+    data = bytearray(path.read_bytes())
+    assert data[-8192:-8188] == (len(data) // 4096).to_bytes(4, "big")  # to the last page
+    data[-8192:-8188] = bytes(4)
+    path.write_bytes(data)
+    reading = read_file(path)
+    assert list(reading.messages) == [one for one in expected() if one.log_time != 7]
+    assert reading.sentences == "the database is damaged: 1 messages cannot be read"
+    assert reading.lost == 1

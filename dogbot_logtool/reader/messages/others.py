@@ -18,12 +18,8 @@ from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
 from dogbot_logtool.reader.messages.source import Source, decoded_by, source_of
-from dogbot_logtool.reader.messages.table import TABLE, types_of
+from dogbot_logtool.reader.messages.table import TABLE
 
-JOINT_TYPES: Final = tuple(
-    sorted(types_of("joints"), key=lambda name: not any(r.joint for r in TABLE if r.name == name))
-)
-"""The best first: those that name their joints."""
 _TRANSFORMS: Final = frozenset(row.name for row in TABLE if len(row.choose) > 1)
 FOXGLOVE_TYPES: Final = frozenset(name for name in _TRANSFORMS if name.startswith("foxglove."))
 """Of transforms in protobuf or JSON: what `convert` writes must be found again by `info`."""

@@ -145,7 +145,7 @@ def levels(count: int, *fields: str) -> str:
 
 
 UNPARSABLE: Final = ("3 is no field", "int32 x y z\n}", "int32[][] x", "\0", "int32 x\nint32[3 y")
-LENGTHS: Final = ("-3", "1 << 99999999999999999999", "1 / 0", "MISSING")
+LENGTHS: Final = ("-3", "1 << 99999999999999999999", "1 / 0", "MISSING", "((3))")
 IN_A_RING: Final = f"demo/A a\n{SEPARATOR}\nMSG: demo/A\ndemo/B[] b\n{SEPARATOR}\nMSG: demo/B\nA a"
 ROOT: Final = "demo/Root"
 
