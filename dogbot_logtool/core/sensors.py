@@ -31,6 +31,8 @@ from dogbot_logtool.core.settings import FootSettings, WalkSettings
 
 WORSE: Final = 0.05
 """By how much offsets may worsen the sum of all loads over the weight."""
+FAR_WORSE: Final = 0.2
+"""The same where swing and stance are told apart by far: a mass may be wrong by so much."""
 Levels = tuple[SensorLevel, ...]
 
 
@@ -136,18 +138,18 @@ def weight_of_levels(levels: Sequence[SensorLevel]) -> float | None:
 def fitting_levels(levels: Levels, weight_n: float) -> Levels:
     """Refuse offsets that worsen the sum of all loads against the weight, N.
 
-    Where swings and stances are beyond doubt, so are the offsets: the mass is wrong then.
+    Where swings and stances are beyond doubt, so are the offsets: the mass may be wrong then.
     """
     total = weight_of_levels(levels)
-    recorded = sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
-    if total is None or abs(total / weight_n - 1.0) <= abs(recorded / weight_n - 1.0) + WORSE:
+    if total is None:
         return levels
+    recorded = sum(level.mean_recorded_n or level.mean_n or 0.0 for level in levels)
+    worse = abs(total / weight_n - 1.0) - abs(recorded / weight_n - 1.0)
     worsens = f"taking it off would make the loads add up to {total / weight_n:.2f} of the weight"
+    estimated = (each.origin == "estimated" and not each.zero_in_swing for each in levels)
     return tuple(
-        refuted(worsens)
-        if level.origin == "estimated" and not level.zero_in_swing and level.lead < SURE
-        else level
-        for level in levels
+        refuted(worsens) if own and worse > (WORSE if level.lead < SURE else FAR_WORSE) else level
+        for level, own in zip(levels, estimated, strict=True)
     )
 
 

@@ -225,6 +225,10 @@ def contradictory() -> Iterator[Case]:
                (FORCE, sensor.noise(2.0), sensor.saturated(500.0)),
                cause="SATURATED|IMPULSE|look alike", tolerance=COARSE,
                skip="verdict, peak force, load share")
+    flat = Walk(gait=gaits.WALK, period_s=1.1, hump=0.0, ramp=0.05, traction=0.0)
+    yield Case("flat forces, wobble 15 %, offset -10 N", flat,
+               (FORCE, sensor.wobble(29.4), sensor.noise(0.4), sensor.offset(-9.8)),
+               "CONTACT_UNKNOWN.*of the weight")
     yield Case("offset -60 N, biped of 80 kg, mass -20 % wrong", tall,
                (FORCE, sensor.noise(2.0), sensor.offset(-60.0), sensor.user_gives(mass=64.0)),
                "mass", None, COARSE, "impulse")
