@@ -72,9 +72,9 @@ def moves_without_steps(walk: Walk) -> Iterator[Finding]:
 
 def lifted(walk: Walk) -> Iterator[Finding]:
     """Yield feet that never touch and carry nothing, and time in which no foot is loaded."""
-    for row, foot in enumerate(walk.feet):
-        usable = foot.record.start is not None and not walk.settings.feet[row].rule.unusable
-        if usable and not foot.is_dead and not len(foot.stances.touchdown):
+    for foot in walk.feet:
+        touches = foot.record.start is None or len(foot.stances.touchdown) > 0
+        if not touches and not foot.is_dead:
             yield found("LIFTED", foot=foot.name)
     if len(walk.standing.lifted):
         seconds, first = _lasting(walk, walk.standing.lifted)
