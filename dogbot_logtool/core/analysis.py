@@ -205,14 +205,15 @@ def _measured(walk: Walk) -> Walk:
     )
     walk = replace(walk, loads=walk.loads_in(), stability=walk.stability_in())
     # Modules of what few logs hold are loaded for those that do.
-    if walk.corrected.commands is not None:
+    commands, inertial = walk.corrected.commands, walk.corrected.inertial
+    if commands is not None:
         from dogbot_logtool.core.compared import follow_commands  # noqa: PLC0415
 
-        walk = replace(walk, command_track=follow_commands(walk))
-    if walk.corrected.inertial is not None:
+        walk = replace(walk, command_track=follow_commands(walk, commands))
+    if inertial is not None:
         from dogbot_logtool.core.compared import compare_imu  # noqa: PLC0415
 
-        walk = replace(walk, imu=compare_imu(walk))
+        walk = replace(walk, imu=compare_imu(walk, inertial))
     return walk
 
 

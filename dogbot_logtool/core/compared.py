@@ -29,7 +29,7 @@ from dogbot_logtool.core.arrays import (
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import motion_in
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
+from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses
 from dogbot_logtool.core.metrics import Imu, Planned
 from dogbot_logtool.core.rotations import (
     along_heading,
@@ -68,18 +68,18 @@ _FEWEST_WINDOWS: Final = 4
 """Times the window; a correlation over less time means nothing."""
 
 
-def follow_commands(walk: Walk) -> CommandTrack | None:
+def follow_commands(walk: Walk, history: VectorHistory) -> CommandTrack | None:
     """Compare commands with the base's velocity over time.
 
     Args:
-        walk: its commands (linear x and y, angular z), and its base.
+        walk: with the base.
+        history: linear x and y, and angular z.
 
     Returns:
-        None without commands or poses.
+        None without poses.
     """
-    history, base = walk.corrected.commands, walk.track.history
-    forward_rad = walk.settings.forward_rad
-    if history is None or len(base.time) < 2:
+    base, forward_rad = walk.track.history, walk.settings.forward_rad
+    if len(base.time) < 2:
         return None
     window = round((walk.period_s or USUAL_WINDOW_S) * 1e9)
     timeout = round(max(TIMEOUT_S * 1e9, history.gap_ns if np.isfinite(history.gap_ns) else 0.0))
@@ -248,18 +248,16 @@ _SHIFTS: Final = 0.05
 _LEVEL: Final = np.array([0.0, 0.0, 0.0, 1.0])
 
 
-def compare_imu(walk: Walk) -> ImuComparison | None:
+def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
     """Compare accelerometer, forces and poses.
 
     Args:
-        walk: what its accelerometer reads, in its own frame, its base and its feet.
+        walk: its base and its feet.
+        sensed: what the accelerometer reads, in its own frame.
 
     Returns:
         None where accelerometer and poses have too little time in common.
     """
-    sensed = walk.corrected.inertial
-    if sensed is None:
-        return None
     base, mounting = walk.poses, walk.settings.imu_mounting
     angles = base.angles_at(sensed.time)
     rows = np.flatnonzero(all_finite(angles))
@@ -362,9 +360,6 @@ def _compare_forces(
     feet, mass_kg = walk.records, walk.settings.mass_kg
     apart = walk.feet_clocks_are_apart or walk.base_is_apart or walk.settings.lacks_feet
     if mass_kg is None or apart or not walk.vertical_known:
-        return None
-    loaded = [foot for foot in feet if len(foot.in_contact)]
-    if not loaded or not all(vertical_is_known(foot) for foot in loaded):
         return None
     known = timespans.intersect(
         [timespans.merge(walk.strides), *(foot.vertical_known for foot in feet)]

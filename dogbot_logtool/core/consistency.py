@@ -207,7 +207,7 @@ def compare_worlds(
     usual = np.stack([median_of(place, axis=0) for _, place in placed])
     centroid = usual.mean(axis=0)
     spread = float(np.hypot(*(usual - centroid).T).max())
-    start = int(base.time[0])
+    start = min(int(time[0]) for time, _ in placed)
     duration = max(int(time[-1]) for time, _ in placed) - start
     window = round((period_s or 0.0) * 1e9) or WINDOW_NS
     window *= max(-(-duration // (window * _MOST_WINDOWS)), 1)
@@ -219,8 +219,6 @@ def compare_worlds(
         ]
     )[:, :windows]
     known = np.isfinite(shift[:, :, 0]).any(axis=0)
-    if not known.any():
-        return None
     away = centroid + np.nanmean(shift[:, known], axis=0)
     distance = np.hypot(away[:, 0], away[:, 1])
     farthest = spread if len(placed) == len(feet) else PART_OF_FEET * spread

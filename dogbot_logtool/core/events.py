@@ -358,7 +358,7 @@ def _scuffs(walk: Walk, row: int) -> Iterator[Event]:
         after = int(np.searchsorted(stances.touchdown, onset))
         if 0 < after < len(stances.touchdown):
             lifted, lands = int(stances.liftoff[after - 1]), int(stances.touchdown[after])
-            done = (onset - lifted) / max(lands - lifted, 1)
+            done = (onset - lifted) / (lands - lifted)
             yield _event(walk, EventType.STUMBLE, (onset, end), row, done, "swing")
 
 

@@ -14,7 +14,7 @@ from tests.truth.judging import Case, Tolerance
 from tests.truth.recording import on
 from tests.truth.scenes import OneAfterAnother, standing
 from tests.truth.walking import Walk
-from tests.truth.walks import BIPED, FORCE, NO_MASS, QUIET, ROUGH, TROT, WALK, WAVE
+from tests.truth.walks import BIPED, FORCE, LONG, NO_MASS, QUIET, ROUGH, TROT, WALK, WAVE
 
 NO_FORCE: Final = "peak force, braking, load share, impulse, slip, height, froude, verdict, margin"
 
@@ -95,6 +95,9 @@ def flags() -> Iterator[Case]:
     for rate, walk in ((10.0, TROT), (5.0, WALK)):
         yield Case(f"flags, {rate:g} Hz", walk, (flags, foot.sampled(rate)), "SAMPLED_SLOWLY",
                    tolerance=coarse, skip=f"{NO_FORCE}, touchdowns, lift-offs")
+    yield Case("flags, one foot's never set from mid-log on", LONG,
+               (flags, on(sensor.dead_from(8.0), "front_left")), "STOPPED", silence_s=(7.2, 99.0),
+               skip=f"{NO_FORCE}, support")
     for name, walk, faults in (
         ("walk", WALK, (flags, turned)),
         ("trot", TROT, (flags, turned)),
@@ -127,6 +130,11 @@ def others() -> Iterator[Case]:
     for name, sensors in (("bumpers", ()), ("force sensors", QUIET)):
         yield Case(f"one foot held up for six strides, {name}", replace(WALK, seconds=16.0),
                    (foot.held_up("back_left", 5.0, 11.2), *sensors), "", skip=own)
+    yield Case("one foot held up throughout", WALK, (foot.held_up("back_left", -1.0, 99.0),),
+               "back_left never touches the ground, and the other feet carry",
+               skip=f"{own}, verdict")
+    yield Case("a contact point goes 0.4 m", TROT, (foot.slip("front_left", 3.3, 0.4),),
+               "SLIPS", "", skip="slip, stride length")
     tread = "height, froude, slip, margin, verdict"
     for name, walk in (("trot", TROT), ("walk", WALK)):
         yield Case(f"treadmill, {name}, contact points", walk, (foot.treadmill,), "TREADMILL", "",

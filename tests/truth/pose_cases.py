@@ -91,6 +91,11 @@ def faults() -> Iterator[Case]:
          "POSE_DIRECTION", (POINTS,)),
         ("poses of the imu's link", ON_THE_SPOT, link, "", EVERY),
         ("poses of the imu's link, circle", CIRCLE, link, "", EVERY),
+        ("millimetres, as the user says", TROT, _in_millimetres, "", (POINTS,)),
+        ("centre of mass beside the base", TROT, _aside_of_mass, "", (POINTS,)),
+        ("poses of the shell, base named", ON_THE_SPOT, _of_shell, "", (POINTS,)),
+        ("poses of a link that is nowhere", TROT, _of_lost_link,
+         "POSE_FRAME .* no static transform", (POINTS,)),
         ("a quarter of real time, feet without stamps", TROT, time.quarter_speed(feet=True),
          "CLOCK_OFFSET", EVERY),
         ("a quarter of real time, poses without stamps", TROT, time.quarter_speed(feet=False),
@@ -149,6 +154,25 @@ def sound() -> Iterator[Case]:
 
 def _nothing(recording: Recording) -> Recording:
     return recording
+
+
+def _in_millimetres(recording: Recording) -> Recording:
+    known = sensor.user_gives(set={"odometry_scale": "0.001"})
+    return known(pose.scaled(1000.0)(recording))
+
+
+def _aside_of_mass(recording: Recording) -> Recording:
+    known = sensor.user_gives(set={"com_offset_m": "-0.04,-0.03,0"})
+    return replace(known(pose.of_link((0.04, 0.03, 0.0), "trunk")(recording)), statics=())
+
+
+def _of_shell(recording: Recording) -> Recording:
+    named = sensor.user_gives(set={"base_frame": "base_link"})
+    return named(pose.of_link((0.25, 0.1, 0.05), "shell")(recording))
+
+
+def _of_lost_link(recording: Recording) -> Recording:
+    return replace(pose.of_link((0.05, 0.02, 0.01))(recording), statics=())
 
 
 def _crabwise(recording: Recording) -> Recording:

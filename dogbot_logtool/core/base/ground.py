@@ -24,10 +24,9 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading, conjugate, from_roll_pitch_yaw, rotate
-from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
 RATE_HZ: Final = 200.0
 """At which paths that messages tell are kept."""
@@ -154,12 +153,13 @@ def footfalls(path: FootPath, stances: Stances) -> Footfalls:
     position[~known] = np.nan
     displacement = position - position[:, :1]
     flat = np.hypot(displacement[:, :, 0], displacement[:, :, 1])
+    seconds = np.ptp(time, axis=1) / 1e9
     return Footfalls(
         time=stances.middle,
         position=position[:, len(steps) // 2],
         first=position[:, 0],
         last=position[:, -1],
-        velocity=displacement[:, -1, :2] / ((time[:, -1] - time[:, 0]) / 1e9)[:, None],
+        velocity=displacement[:, -1, :2] / np.where(seconds, seconds, np.nan)[:, None],
         travel_m=np.sqrt((displacement[:, -1] ** 2).sum(axis=1)),
         slip_m=flat[:, -1],
         largest_slip_m=flat.max(axis=1, initial=0.0),

@@ -394,7 +394,7 @@ def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     metres, height = float(rise[-1]), walk.base and walk.base.height_m
     # Where z of one is counted from elsewhere, the height over the feet is not known.
     tall = height.median if height else walk.worlds.spread_m if walk.worlds else np.inf
-    if feet.by == LEGS and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]:
+    if feet.by == LEGS:
         if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
             words: Words = {"say": "legs", "metres": metres, "told": feet}
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)

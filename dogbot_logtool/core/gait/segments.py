@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise, zip_longest
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -25,9 +25,9 @@ from dogbot_logtool.core.gait.classes import (
 )
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import Standing, Strides, Support, support
-from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.metrics import Gait, Phase, SupportSet
 from dogbot_logtool.core.records import Number, unknown
+from dogbot_logtool.core.settings import legs_in_order
 
 LASTING: Final = 2
 """Strides in a row that must agree before the gait counts as another one."""
@@ -140,10 +140,8 @@ def main_segment(segments: Sequence[Segment]) -> Segment | None:
 def gait_changes(segments: Sequence[Segment], feet: Sequence[FootSteps]) -> list[tuple[int, Gait]]:
     """Return each gait and the time, ns, from which on it is; unknown where a segment ends."""
     changes = []
-    for segment, after in zip_longest(segments, segments[1:]):
-        changes.append((segment.start, segment.gait))
-        if after is None or after.start > segment.end:
-            changes.append((segment.end, no_gait(feet)))
+    for segment in segments:
+        changes += [(segment.start, segment.gait), (segment.end, no_gait(feet))]
     return changes
 
 
