@@ -19,7 +19,7 @@ def run(options: Convert) -> NoReturn:
     where = output_at(options.output, _ENDING, several=several)
     if options.scheduler is not None:
         where = where._replace(path=where.path.absolute())
-    pairs = targets(logs.paths, where, _ENDING, logs.below)
+    pairs = targets(logs.paths, where, _ENDING, [log.below for log in logs.logs])
     tasks = conversion_tasks(pairs, options)
     for done in call.each(convert_task, options, tasks, logs.names, "convert"):
         call.add(conversion_json(done) if options.json else {})

@@ -122,13 +122,14 @@ def _file_on_disk(target: Path, *, overwrite: bool) -> Iterator[BinaryIO]:
             file.flush()
             # A power failure leaves a whole file, the one before, or none.
             os.fsync(file.fileno())
+            refuse_bad_target(target, overwrite=overwrite)
+            path.parent.mkdir(parents=True, exist_ok=True)
             if not part.exists():
                 # Only with a descriptor does Python follow the link that stands for an open file.
-                number = file.fileno()
-                os.link(f"/proc/self/fd/{number}", part, src_dir_fd=number, follow_symlinks=True)
-        refuse_bad_target(target, overwrite=overwrite)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part.replace(path)
+                number, name = file.fileno(), part if overwrite else path
+                os.link(f"/proc/self/fd/{number}", name, src_dir_fd=number, follow_symlinks=True)
+        if part.exists():
+            part.replace(path)
     finally:
         with contextlib.suppress(OSError):
             part.unlink()

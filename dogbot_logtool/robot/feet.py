@@ -23,7 +23,6 @@ from dogbot_logtool.robot.topics import (
     foot_options,
     is_planned,
     names_of,
-    readable_source,
     require_topic,
     split_topic,
     topics_of,
@@ -194,7 +193,7 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
             break
         source, names = topics[0].source, [each.name for each in topics]
         if source.tells_all_feet:
-            told = feet_of_messages(log, names[0])
+            told = feet_of_messages(log, topics[0])
             chosen, possible = FootSet(told, "elements") if told else None, tuple[FootSet, ...]()
         else:
             chosen, possible = name_feet(names, contacts_only=not source.row.anything)
@@ -231,14 +230,13 @@ def _missing(say: str, where: str, foot: str) -> Finding:
 
 def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
     """Note which element is a foot's, where messages hold all feet and no option says it."""
-    source = next((each.source for each in topics_of(log, "feet") if each.name == foot.topic), None)
-    if foot.field is not None or source is None or not source.tells_all_feet:
+    topic = next((each for each in topics_of(log, "feet") if each.name == foot.topic), None)
+    if foot.field is not None or topic is None or not topic.source.tells_all_feet:
         return foot
-    if foot.element is not None and source.row.legs and not source.row.maybe_without_legs:
+    row = topic.source.row
+    if foot.element is not None and row.legs and not row.maybe_without_legs:
         return foot
-    told = {
-        each.label if foot.label else each.name: each for each in feet_of_messages(log, foot.topic)
-    }
+    told = {each.label if foot.label else each.name: each for each in feet_of_messages(log, topic)}
     position = foot.leg_position or leg_position(foot.name)
     for name in (foot.label,) if foot.label else (foot.name, "_".join(position or ())):
         if other := told.get(name):
@@ -251,12 +249,11 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
 # --- by messages of all feet, and by plans -------------------------------------------------------
 
 
-def feet_of_messages(log: Log, topic: str) -> tuple[Foot, ...]:
+def feet_of_messages(log: Log, topic: Topic) -> tuple[Foot, ...]:
     """Return the feet that a topic's messages tell of; none where they are not about feet."""
-    for channel in log.channels_by_topic[topic]:
-        source = readable_source(channel, "feet")
-        if source and source.tells_all_feet and (found := _feet_told(log, channel, source)):
-            return _named_feet(found, topic)
+    for channel in topic.channels:
+        if found := _feet_told(log, channel, topic.source):
+            return _named_feet(found, topic.name)
     return ()
 
 
@@ -316,7 +313,7 @@ def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[F
     names = {foot.name for foot in robot.feet}
     # A plan of the measurement's own type tells forces in the same way.
     for plan in sorted(plans, key=lambda each: each.channels[0].type_name not in used.values()):
-        feet = feet_of_messages(log, plan.name)
+        feet = feet_of_messages(log, plan)
         if found := tuple(foot for foot in feet if foot.name in names):
             return found
     return ()

@@ -61,11 +61,6 @@ class LogSet(NamedTuple):
         """Names of the logs for messages."""
         return [storage.name_of(log.path) for log in self.logs]
 
-    @property
-    def below(self) -> list[PurePath]:
-        """Their directories below those that were searched."""
-        return [log.below for log in self.logs]
-
 
 def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
     """Find the logs that words name.
@@ -133,10 +128,7 @@ def _listed(path: Location, unreadable: Unreadable) -> Iterator[Found]:
 
 def _lines(path: Location) -> list[str]:
     """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
-    try:
-        data = storage.content(path, _LARGEST_LIST)
-    except CallError as error:
-        raise CallError(f"@{error}") from error
+    data = storage.content(path, _LARGEST_LIST)
     lines = data.removeprefix(codecs.BOM_UTF8).split(b"\n")
     with suppress(UnicodeDecodeError):  # Windows, where names are no bytes
         if b"\0" not in data:

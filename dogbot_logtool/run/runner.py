@@ -4,14 +4,13 @@ A runner is given a function that can be pickled. An error of one item is its ou
 other.
 """
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Final, Generic, Literal, NamedTuple, Protocol, Self, TypeVar
+from functools import partial
+from typing import Any, Generic, Literal, NamedTuple, Protocol, Self, TypeVar
 
 from dogbot_logtool.errors import LogtoolError
 
-Item = TypeVar("Item")
 Result = TypeVar("Result")
 OnProgress = Callable[[int, int], None]
 """Called with bytes done and bytes in all while work goes on."""
@@ -19,8 +18,6 @@ Work = Callable[..., Result]
 """Called as ``work(item, progress=on_progress)``."""
 Command = Literal["convert", "info", "stats"]
 """A module of `dogbot_logtool.commands`."""
-
-_PROGRESS_EVERY_S: Final = 0.2
 
 
 class Failure(NamedTuple):
@@ -87,7 +84,7 @@ class SerialRunner(Runner[Result]):
         for number, item in enumerate(items):
             # A bug met with a single log is better seen with its traceback.
             is_alone = len(items) == 1
-            outcome = attempt(work, item, _throttled(progress, number), raises=is_alone)
+            outcome = attempt(work, item, partial(progress.update, number), raises=is_alone)
             progress.finished(number)
             yield outcome
 
@@ -107,20 +104,6 @@ def attempt(
             return Failure("there was not enough memory for it", 1)
         what = f"{type(error).__name__}: {error}"
         return Failure(f"failed by a fault of dogbot-logtool, please report it ({what})", 1)
-
-
-def _throttled(progress: Progress, number: int) -> OnProgress:
-    """Return a callback that passes an item's progress on at most five times a second."""
-    last = 0.0
-
-    def update(done: int, total: int) -> None:
-        nonlocal last
-        now = time.monotonic()
-        if now - last > _PROGRESS_EVERY_S:
-            last = now
-            progress.update(number, done, total)
-
-    return update
 
 
 def runner_for(command: Command, logs: int, jobs: int, scheduler: str | None = None) -> Runner[Any]:

@@ -151,6 +151,9 @@ PAIRS: dict[str, tuple[Recording, Recording, dict[str, Any], list[str]]] = {
         f"{AT} payload[2]: expected 0x63, got 0x78",
         "/a[1] t=0.001 s payload: expected 3 bytes, got 2 bytes",
     ]),
+    "no definition": (one_topic(Kind("cdr"), b"abc"), one_topic(Kind("cdr"), b"abx"), {}, [
+        f"{AT} payload[2]: expected 0x63, got 0x78",
+    ]),
     "a field that protobuf leaves out": (
         one_topic(SCENE, update(with_pose=True)), one_topic(SCENE, update(with_pose=False)), {}, [
         f"{AT} entities[0].arrows[0].pose: expected {NO_POSE}, got null"

@@ -231,7 +231,7 @@ def _old_xpp(walk: StateWalk, _kind: str, sample: int) -> Fields:
 
 
 def _anymal(walk: StateWalk, _kind: str, sample: int) -> Fields:
-    """Make contacts whose order changes; a slipping foot is in contact."""
+    """Make contacts whose order changes, and one of a gripper; a slipping foot is in contact."""
     order = LEGS if sample % 2 else LEGS[::-1]
     in_air, odom = np.array([0.0, 0.0, 3.0]), walk.stamped(sample, "odom")
     contacts = [
@@ -247,6 +247,7 @@ def _anymal(walk: StateWalk, _kind: str, sample: int) -> Fields:
         }
         for leg in order
     ]
+    contacts.append({**contacts[0], "name": "ARM_GRIPPER", "state": 1})
     return {**odom, "pose": {**odom, **_base(sample)}, "contacts": contacts}
 
 

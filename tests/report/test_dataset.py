@@ -72,6 +72,14 @@ def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> 
     done = export(odd, short())
     assert done.returncode == 2
     assert "must be UTF-8" in done.stderr
+    (tmp_path / "older" / "walks" / "logs" / "robot=dogbot").mkdir(parents=True)
+    for words, why in (
+        ([], "is of an older version of this program"),
+        (["--label", "firmware"], "must be NAME=VALUE"),
+        (["--label", "a=1", "--label", "a=2"], "a is there twice"),
+    ):
+        done = export(tmp_path / "older", short(), *words)
+        assert (done.returncode, why in done.stderr) == (2, True)
 
 
 def test_rows_hold_what_the_json_says(tmp_path: Path) -> None:
@@ -109,6 +117,10 @@ def test_a_log_that_changes_replaces_its_files(tmp_path: Path) -> None:
     assert strides > 0
     assert "1 measured" in export(tmp_path, "walk.bag", "--start", "1").stderr
     assert len(rows(tmp_path, "strides")) < strides
+    robot = (ROOT / "dogbot_logtool/robot/known/dogbot.toml").read_text(encoding="utf-8")
+    for note in ("# as it was", "# as it is"):
+        (tmp_path / "dog.toml").write_text(f"{robot}\n{note}\n", encoding="utf-8")
+        assert "1 measured" in export(tmp_path, "walk.bag", "--robot", "dog.toml").stderr
     (tmp_path / "walk.bag").write_bytes(b"broken again")
     assert export(tmp_path, "walk.bag").returncode == 1
     assert [row["base"] for row in rows(tmp_path)] == [None]

@@ -1,15 +1,18 @@
 """Which robot description is written, and which files are refused."""
 
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
+from mcap.writer import Writer as McapWriter
 from mcap_ros1.decoder import DecoderFactory
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options.convert import ConvertOptions
-from dogbot_logtool.robot.robot_model.description import read_urdf
+from dogbot_logtool.reader.opening import open_log
+from dogbot_logtool.robot.robot_model.description import own_description, read_urdf
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
@@ -50,3 +53,15 @@ def test_what_is_no_urdf_is_refused(content: bytes, why: str, tmp_path: Path) ->
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CallError, match="no such file"):
         read_urdf(tmp_path / "none.urdf")
+
+
+def test_a_description_that_cannot_be_decoded_is_none(tmp_path: Path) -> None:
+    with (tmp_path / "log.mcap").open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start()
+        schema = writer.register_schema("std_msgs/String", "jsonschema", b"{}")
+        channel = writer.register_channel("/robot_description", "json", schema)
+        writer.add_message(channel, 1, b'{"data": "<robot/>"}', 1)
+        writer.finish()
+    with closing(open_log(tmp_path / "log.mcap")) as log:
+        assert own_description(log) is None

@@ -124,7 +124,7 @@ def test_words_name_logs_each_once_in_their_order(
     ("files", "word", "said"),
     [
         ({"l": b"\xff\xfeb\0.\0"}, "@l", "not even text"),
-        ({}, "@absent.txt", r"^@absent.txt: no such file"),
+        ({}, "@absent.txt", r"^absent.txt: no such file"),
         ({"l": b"b.bag\n\n  @other\n"}, "@l", r"@l, line 3: @other: .*cannot name another"),
         ({"l": b"b.bag\n*.nothing\n"}, "@l", r"@l, line 2: \*\.nothing: no file"),
         ({}, "@/dev/zero", "not a regular file"),
@@ -142,7 +142,7 @@ def test_words_that_name_no_logs_are_refused(
 @pytest.mark.usefixtures("folder")
 def test_logs_that_are_found_keep_their_place() -> None:
     log_set = find_logs(["."])
-    assert [str(below) for below in log_set.below] == [".", ".", ".", "run", "run", "."]
+    assert [str(log.below) for log in log_set.logs] == [".", ".", ".", "run", "run", "."]
     assert log_set.left_out == 1
 
 
@@ -173,8 +173,7 @@ def test_a_store_is_searched_alike(folder: Path) -> None:
         name.partition(f"{folder.name}/")[2] for name in log_set.names if ".hidden" not in name
     ]
     assert found == ALL
-    below = dict(zip(log_set.names, map(str, log_set.below), strict=True))
-    assert {place for name, place in below.items() if "walk" in name} == {"run"}
+    assert {str(log.below) for log in log_set.logs if "walk" in log.path.name} == {"run"}
     assert len(names(f"memory://{folder.name}/run/*.bag")) == 1
     with pytest.raises(CallError, match="there are no logs"):
         names(f"memory://{folder.name}/run/deep")

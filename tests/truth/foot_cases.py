@@ -130,6 +130,11 @@ def others() -> Iterator[Case]:
     for name, sensors in (("bumpers", ()), ("force sensors", QUIET)):
         yield Case(f"one foot held up for six strides, {name}", replace(WALK, seconds=16.0),
                    (foot.held_up("back_left", 5.0, 11.2), *sensors), "", skip=own)
+    yield Case("one foot held up throughout", WALK, (foot.held_up("back_left", -1.0, 99.0),),
+               "back_left never touches the ground, and the other feet carry",
+               skip=f"{own}, verdict")
+    yield Case("a contact point goes 0.4 m", TROT, (foot.slip("front_left", 3.3, 0.4),),
+               "SLIPS", "", skip="slip, stride length")
     tread = "height, froude, slip, margin, verdict"
     for name, walk in (("trot", TROT), ("walk", WALK)):
         yield Case(f"treadmill, {name}, contact points", walk, (foot.treadmill,), "TREADMILL", "",

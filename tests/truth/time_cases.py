@@ -43,6 +43,8 @@ def clocks() -> Iterator[Case]:
     for message in (0, 500):
         yield Case(f"stamp of message {message} is zero", TROT,
                    (on(time.zero_stamp(message), "front_right"),), "stamp|clock")
+    yield Case("two publishers, clocks 5 s apart", TROT, (time.two_publishers(5.0),),
+               "stamps .* go backwards", skip="verdict")
     yield Case("two messages swapped", TROT, (on(time.swapped_messages(500), "front_right"),),
                "stamp|clock|back")
     yield Case("three messages twice", TROT, (on(time.sent_twice(500, 3), "front_right"),),

@@ -80,6 +80,13 @@ def zero_stamp(_: int, foot: FootRecording, message: int) -> FootRecording:
 
 
 @of_feet
+def two_publishers(_: int, foot: FootRecording, seconds: float) -> FootRecording:
+    """Let every other message of a foot be stamped by a clock that is ahead."""
+    ahead = np.where(np.arange(len(foot.stamp)) % 2 == 1, round(seconds * 1e9), 0)
+    return replace(foot, stamp=foot.stamp + ahead)
+
+
+@of_feet
 def swapped_messages(_: int, foot: FootRecording, message: int) -> FootRecording:
     """Log one message of a foot after the next one, stamps and all."""
     rows = np.arange(len(foot.time))

@@ -9,9 +9,8 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.classes import CONSISTENT, IRREGULAR, TOLERANCE
 from dogbot_logtool.core.gait.feet import net_push
-from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.loads import LARGEST_FOOT_M, REFUTED, WEIGHT_TOLERANCE, is_stuck
-from dogbot_logtool.core.settings import GRAVITY_MPS2
+from dogbot_logtool.core.settings import GRAVITY_MPS2, legs_in_order
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
 
@@ -73,9 +72,9 @@ def moves_without_steps(walk: Walk) -> Iterator[Finding]:
 
 def lifted(walk: Walk) -> Iterator[Finding]:
     """Yield feet that never touch and carry nothing, and time in which no foot is loaded."""
-    for row, foot in enumerate(walk.feet):
-        usable = foot.record.start is not None and not walk.settings.feet[row].rule.unusable
-        if usable and not foot.is_dead and not len(foot.stances.touchdown):
+    for foot in walk.feet:
+        touches = foot.record.start is None or len(foot.stances.touchdown) > 0
+        if not touches and not foot.is_dead:
             yield found("LIFTED", foot=foot.name)
     if len(walk.standing.lifted):
         seconds, first = _lasting(walk, walk.standing.lifted)

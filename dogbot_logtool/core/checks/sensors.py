@@ -9,7 +9,6 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, interpolated, median_of
 from dogbot_logtool.core.base.motion import down_spans
 from dogbot_logtool.core.checks.base import HALF, STAYS_M, feet_agree, rest_in_the_air
-from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
 from dogbot_logtool.core.sensors import HEAVILY_FILTERED
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -86,7 +85,9 @@ def some_feet(walk: Walk) -> Iterator[Finding]:
 
 def broken(walk: Walk) -> Iterator[Finding]:
     """Yield sensors that show one constant force under load, have stopped, or never feel ground."""
-    for foot in _telling(walk):
+    for foot in walk.feet:
+        if foot.record.start is None:
+            continue
         feet, spans = (foot.name,), foot.record.stopped
         if is_stuck(foot.record, walk.records):
             cases = () if len(foot.stances.touchdown) > 1 else ("never_lifts",)
@@ -154,13 +155,6 @@ def samples_left_out(walk: Walk) -> Iterator[Finding]:
         seconds = walk.poses.unplaced(record.in_contact) / 1e9
         if len(walk.base_history.time) and seconds > SOME_S and not walk.base_by_feet:
             yield found("GAPS", say="no_pose", foot=name, seconds=seconds)
-
-
-def _telling(walk: Walk) -> Iterator[FootSteps]:
-    """Yield the feet with usable messages from which contact can be told."""
-    for row, foot in enumerate(walk.feet):
-        if foot.record.start is not None and not walk.settings.feet[row].rule.unusable:
-            yield foot
 
 
 FEWEST_DOWN: Final = 1.2

@@ -13,6 +13,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, all_finite, median_of, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import usual_interval_s
+from dogbot_logtool.core.corrections.sensor import load_axis
 
 HALF: Final = 0.5
 """Share of a foot's usual range below which its load falls until it rises above it."""
@@ -170,9 +171,7 @@ def _tails_of(samples: Samples) -> _Tails:
 
 def _along_load(force: Floats) -> Floats:
     """(n,) N, the force along the direction in which load changes it, larger with load."""
-    about = force - median_of(force, axis=0)
-    direction = np.linalg.eigh(about.T @ about)[1][:, -1]
-    load: Floats = force @ direction
+    load: Floats = force @ load_axis(force)
     ends = percentiles_of(load, (2.0, 98.0))
     return load if abs(ends[1]) > abs(ends[0]) else -load
 

@@ -101,7 +101,9 @@ FEWEST: Final = 3
 """Stamps on either side of a step that make it one; fewer are bad stamps."""
 LARGEST_STEP_S: Final = 10.0
 """s: stamps that run ahead of log time by more, at once and for good, were set forward."""
-MOST_BAD_SHARE: Final = 0.05
+
+
+MOST_BAD: Final = 0.25
 """Share of bad stamps up to which their messages are left out."""
 
 
@@ -236,16 +238,12 @@ def why_unusable(checks: Sequence[StampCheck]) -> str:
         checks: of all topics that are measured.
     """
     stamped = [check for check in checks if check.messages]
-    zero = {check.topic for check in stamped if 2 * check.zeros > check.messages}
-    if zero:
-        everywhere = zero == {check.topic for check in stamped}
-        of = "" if everywhere else f" of {', '.join(sorted(zero))}"
-        return f"header stamps{of} are zero"
-    for check in stamped:
-        most = max(FEWEST, MOST_BAD_SHARE * check.messages)
-        if not check.steps and check.bad > most:
-            bad = f"{check.bad} of {check.messages}"
-            return f"{bad} header stamps of {check.topic} are zero or go backwards"
+    bad = [check for check in stamped if check.bad > MOST_BAD * check.messages and not check.steps]
+    if bad:
+        topics = sorted({check.topic for check in bad})
+        of = "" if len(bad) == len(stamped) else f" of {', '.join(topics)}"
+        are = "zero" if all(check.bad == check.zeros for check in bad) else "zero or go backwards"
+        return f"header stamps{of} are {are}"
     clock_set = sorted({check.topic for check in stamped if check.steps})
     return f"the clock of {', '.join(clock_set)} was set" if clock_set else ""
 

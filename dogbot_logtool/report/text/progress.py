@@ -2,13 +2,17 @@
 
 import sys
 import threading
+import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Final, Self
 
 from dogbot_logtool.io.printable import printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
+
+_EVERY_S: Final = 0.2
+"""To draw the bars takes a millisecond or more."""
 
 
 class ProgressBars:
@@ -26,6 +30,7 @@ class ProgressBars:
         self._lock = threading.Lock()
         self._tasks: dict[int, TaskID] = {}
         self._finished: set[int] = set()
+        self._drawn_s = 0.0
         self._bars = _bars() if visible and sys.stderr.isatty() else None
 
     def __enter__(self) -> Self:
@@ -42,8 +47,10 @@ class ProgressBars:
     def update(self, number: int, done: int, total: int) -> None:
         """Show how far a log has come, in bytes."""
         with self._lock:
-            if self._bars is None or number in self._finished:
+            is_early = time.monotonic() - self._drawn_s < _EVERY_S
+            if self._bars is None or is_early or number in self._finished:
                 return
+            self._drawn_s = time.monotonic()
             if number not in self._tasks:
                 name = printable(self._names[number])
                 self._tasks[number] = self._bars.add_task(name, total=total)

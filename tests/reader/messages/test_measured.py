@@ -225,6 +225,12 @@ def test_two_feet_are_not_one_element(tmp_path: Path) -> None:
         describe(path, options)
 
 
+def test_a_foot_that_no_message_names_is_not_sure(tmp_path: Path) -> None:
+    path = walks.write_walk(tmp_path, "spot_msgs/msg/FootStateArray", "mcap")
+    found = describe(path, InfoOptions(robot="generic", foot={"nose": "/feet"})).findings
+    assert "which element of /feet is nose is not known" in " ".join(each.text for each in found)
+
+
 class Ballbot(StateWalk):
     """A robot without legs that uses the same controller."""
 

@@ -259,6 +259,9 @@ def test_a_page_says_what_its_log_lacks(tmp_path: Path) -> None:
     html = page(measure(write_log(flags, tmp_path / "log.mcap"), MeasureOptions()), 0)
     assert b"tell contact, not force" in html
     assert b"walk (high confidence" in html
+    bare = replace(flags, base=flags.base.pick(np.arange(0)))
+    html = page(measure(write_log(bare, tmp_path / "log.mcap"), MeasureOptions()), 0)
+    assert not drawings(html).keys() & {"ground", "motion"}
     log = odometry_log(tmp_path / "log.mcap", "/odom")
     html = page(measure(log, MeasureOptions()), 0)
     assert not drawings(html).keys() & {"gait", "loads"}
