@@ -122,9 +122,7 @@ def mask_walk(corrected: Corrected) -> Walk:
     apart = too_far_apart(corrected.clocks, period_s)
     unsupported = any(dead) or settings.lacks_feet or any(f.topic in apart for f in settings.feet)
     supported = None if unsupported else support(records)
-    # Sensors that never report a contact say nothing of where the feet are.
-    touching = any(len(each.in_contact) for each in records)
-    standing = standing_in(supported if touching else None, period_s, base, fallen)
+    standing = standing_in(supported, period_s, base, fallen)
     walked = timespans.merge(any_strides(records, fallen, standing.without_steps))
     delay = None
     # Legs tell the base's height over the standing feet, and not how it bobs.

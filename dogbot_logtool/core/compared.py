@@ -242,8 +242,6 @@ _CERTAIN: Final = 0.1
 """Error up to which a factor is told."""
 _AS_GOOD: Final = 0.02
 """Share of g by which one factor for all feet may explain less than one for each."""
-_SHIFTS: Final = 0.05
-"""Standard deviation of a foot's share from which the load shifts to and from it."""
 
 _LEVEL: Final = np.array([0.0, 0.0, 0.0, 1.0])
 
@@ -388,9 +386,8 @@ def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, fl
         The odd foot, as in `ForceComparison`.
     """
     total = vertical.sum(axis=1)
-    shares = vertical / np.where(total > 0.0, total, np.inf)[:, None]
     # Feet that always press together have no factors of their own.
-    if not total.any() or (shares.std(axis=0) < _SHIFTS).any() or np.linalg.cond(vertical) > 1e3:
+    if not total.any() or np.linalg.cond(vertical) > 1e3:
         return None
     inverse = np.linalg.pinv(vertical.T @ vertical)
     factors = inverse @ (vertical.T @ wanted)

@@ -9,8 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints, trapezoids
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Stances
-from dogbot_logtool.core.leg_position import LegPosition
-from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
 NEAR_ZERO: Final = 1e-9
 WEIGHT_TOLERANCE: Final = 0.05

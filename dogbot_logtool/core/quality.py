@@ -16,8 +16,6 @@ from dogbot_logtool.core.corrections.clock import (
     first_at_each_tick,
 )
 
-_FAR_QUARTILES: Final = 10.0
-"""Intervals whose quartiles are further apart are of two kinds: within bursts and between them."""
 LONGEST_KNOWN_NS: Final = 10e9
 """ns between two messages of a sensor, from which what it measures is not known between them."""
 OFFSET_RATE_HZ: Final = 1.0
@@ -47,8 +45,7 @@ def usual_interval_ns(steps: Ints) -> float | None:
     if len(intervals) < FEWEST_INTERVALS:
         return None
     low, median, high = _quartiles(intervals)
-    within = low if high > _FAR_QUARTILES * low else median
-    breaks = intervals[intervals > GAP_INTERVALS * within]
+    breaks = intervals[intervals > GAP_INTERVALS * low]
     total = _total(intervals)
     silences = breaks[breaks > SILENCE_NS]
     if 2.0 * _total(silences) > total:

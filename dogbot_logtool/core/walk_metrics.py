@@ -15,9 +15,9 @@ from dogbot_logtool.core.checks.engine import null_because, questions_of
 from dogbot_logtool.core.events import find_events
 from dogbot_logtool.core.gait.feet import foot_metrics
 from dogbot_logtool.core.gait.segments import no_gait, with_support
-from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.loads import WalkLoads, share_of, symmetry_index_percent
 from dogbot_logtool.core.records import copied, fields_of, unknown, void
+from dogbot_logtool.core.settings import legs_in_order
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding
 

@@ -20,7 +20,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
-from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.settings import LegPosition
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.words import (
     ENDS,

@@ -250,9 +250,13 @@ def with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
     are_states = bool((values <= _LARGEST_STATE).all() and (values == np.round(values)).all())
     low, high = percentiles_of(values, _TENTH, axis=0)
     down = values > 0.0 if are_states else values > low + _ON * (high - low)
-    marks = [*_in_time(down), *(() if are_states else _of_loads(signed))]
+    marks = [*_in_time(down)]
     if sum(points for points, _ in marks) <= 0:
         marks.append((-_NEVER, "no foot reads so"))
+    pull, push = percentiles_of(signed, _TENTH, axis=0) * np.array([[-1.0], [1.0]])
+    alike = np.minimum(pull, push) > _BOTH_DIRECTIONS * np.maximum(pull, push)
+    if not are_states and bool((alike & (pull > 0.0)).any()):
+        marks.append((-_NEVER, "the ground does not pull"))
     is_number = not are_states and not any(each.force[:, :2].any() for each in feet)
     low, high = percentiles_of(values, _ENDS, axis=0)
     if is_number and bool((signed > 0.0).all()) and bool((low > _NOT_UNLOADED * high).all()):
@@ -288,11 +292,3 @@ def _in_time(down: Flags) -> Iterator[Mark]:
     some, every = float(down.any(axis=1).mean()), float(down.all(axis=1).mean())
     if alike <= _SAME and some >= _FEWEST_DOWN and every < some:
         yield 2, f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
-
-
-def _of_loads(signed: Floats) -> Iterator[Mark]:
-    """Judge loads, (n, feet): the ground does not pull."""
-    low, high = percentiles_of(signed, _TENTH, axis=0)
-    smaller, larger = np.minimum(-low, high), np.maximum(-low, high)
-    if ((low < 0.0) & (high > 0.0) & (smaller > _BOTH_DIRECTIONS * larger)).any():
-        yield -_NEVER, ""

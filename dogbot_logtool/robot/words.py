@@ -12,7 +12,7 @@ from enum import IntEnum
 from functools import lru_cache
 from typing import Final, NamedTuple, TypeVar
 
-from dogbot_logtool.core.leg_position import LegPosition
+from dogbot_logtool.core.settings import LegPosition
 
 Meaning = TypeVar("Meaning")
 

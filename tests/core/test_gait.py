@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.gait import classes
-from dogbot_logtool.core.leg_position import leg_names, legs_in_order
 from dogbot_logtool.core.metrics import Gait
 from dogbot_logtool.core.records import unknown
+from dogbot_logtool.core.settings import leg_names, legs_in_order
 
 SURE = (1.0,) * 6
 

@@ -91,7 +91,12 @@ def test_a_write_ahead_log_is_found_through_a_link_and_left_out_if_damaged(tmp_p
     link.symlink_to(path)
     whole = read_file(path).messages
     assert read_file(link).messages == whole
-    path.with_name("log.db3-wal").write_bytes(b"junk" * 1000)
+    log = path.with_name("log.db3-wal")
+    data = log.read_bytes()
+    log.write_bytes(data[:99] + bytes([data[99] ^ 1]) + data[100:])
+    what = "is damaged at byte 32; what was recorded after that is lost"
+    assert what in read_file(path).sentences
+    log.write_bytes(b"junk" * 1000)
     rest = read_file(path)
     assert rest.messages
     assert "log.db3-wal beside it cannot be used (its header is damaged)" in rest.sentences

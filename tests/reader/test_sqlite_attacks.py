@@ -9,7 +9,8 @@ import pytest
 
 from tests import forked_cli
 from tests.forked_cli import Ended
-from tests.reader.sqlite_files import make
+from tests.reader.reading import read_file
+from tests.reader.sqlite_files import expected, make
 
 MOST_MB: Final = 500
 PAGE: Final = 4096
@@ -79,6 +80,24 @@ def test_the_name_of_another_journal_is_never_followed(
     done = run(folder / "work", *words)
     assert done.returncode in {0, 1, 3}, done.stderr
     assert contents(folder) == before
+
+
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        (20, "its header is damaged"),
+        (24, "those of the database 4096"),
+        (SECTOR + PAGE - 198, "tells what rows were before they were written"),
+    ],
+)
+def test_damage_in_a_journal_is_said(tmp_path: Path, place: int, says: str) -> None:
+    log = make(tmp_path / "log.db3")
+    data = bytearray(journal(2, saved(1, bytes(PAGE)), 1))
+    data[place : place + 4] = struct.pack(">I", 512 + 7 * (place == 20))
+    log.with_name("log.db3-journal").write_bytes(data)
+    reading = read_file(log)
+    assert says in reading.sentences
+    assert list(reading.messages) == expected()
 
 
 @pytest.mark.parametrize("pages", [1 << 27, (1 << 32) - 1])

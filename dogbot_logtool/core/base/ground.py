@@ -24,10 +24,9 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
 from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading, conjugate, from_roll_pitch_yaw, rotate
-from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
 RATE_HZ: Final = 200.0
 """At which paths that messages tell are kept."""

@@ -132,9 +132,7 @@ def _noise(velocity: Floats, common: Floats, feet: Ints) -> float:
     apart = apart[np.isfinite(apart)]
     if not len(apart):
         return 0.0
-    # Two feet are each half of their difference away from their median.
-    degrees = float((feet[rows] / (feet[rows] - 1.0)).mean())
-    return float(median_of(apart)) / _NORMAL_MEDIAN * float(np.sqrt(degrees))
+    return float(median_of(apart)) / _NORMAL_MEDIAN
 
 
 def dead_reckoned(

@@ -30,8 +30,8 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
+from dogbot_logtool.core.settings import LegPosition
 
 TICK_NS: Final = 50_000_000
 """ns, how often feet that rest in the world are looked at."""

@@ -9,9 +9,8 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.gait.classes import CONSISTENT, IRREGULAR, TOLERANCE
 from dogbot_logtool.core.gait.feet import net_push
-from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.loads import LARGEST_FOOT_M, REFUTED, WEIGHT_TOLERANCE, is_stuck
-from dogbot_logtool.core.settings import GRAVITY_MPS2
+from dogbot_logtool.core.settings import GRAVITY_MPS2, legs_in_order
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.finding import Finding, Words, found
 

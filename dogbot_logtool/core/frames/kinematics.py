@@ -7,7 +7,6 @@ from typing import Final, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, concatenated, picked
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.rotations import multiply, rotate
 
 Kind = Literal["revolute", "prismatic", "fixed"]
@@ -132,7 +131,8 @@ class Leg(NamedTuple):
     """Of the ball there that is the foot; 0: not known, or none."""
     name: str = ""
     """``front_left`` ..., or a number."""
-    position: LegPosition | None = None
+    position: tuple[str, str] | None = None
+    """("front" | "middle" | "back", "left" | "right" | "centre")."""
 
     @property
     def foot(self) -> str:

@@ -14,7 +14,6 @@ from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
 from dogbot_logtool.core.gait.strides import Standing, Strides, strides_of, walked_stances
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.loads import (
     fore_aft_ns,
     has_lone_spikes,
@@ -23,7 +22,7 @@ from dogbot_logtool.core.loads import (
 )
 from dogbot_logtool.core.metrics import Foot
 from dogbot_logtool.core.records import Curve, Numbers, Shape, fields_of, unknown
-from dogbot_logtool.core.settings import WalkSettings
+from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
 CYCLE: Final = np.linspace(0.0, 1.0, 51)
 """The points of a curve over a stride, as shares of it."""

@@ -25,9 +25,9 @@ from dogbot_logtool.core.gait.classes import (
 )
 from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.gait.strides import Standing, Strides, Support, support
-from dogbot_logtool.core.leg_position import legs_in_order
 from dogbot_logtool.core.metrics import Gait, Phase, SupportSet
 from dogbot_logtool.core.records import Number, unknown
+from dogbot_logtool.core.settings import legs_in_order
 
 LASTING: Final = 2
 """Strides in a row that must agree before the gait counts as another one."""

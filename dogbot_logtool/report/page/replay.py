@@ -9,10 +9,10 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, median_of
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.gait.feet import FootSteps
-from dogbot_logtool.core.leg_position import LegPosition
 from dogbot_logtool.core.metrics import Event
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.scene.feet import foot_colour, short_names
+from dogbot_logtool.core.settings import LegPosition
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import FINE, is_hind, packed, seconds, thinned
 from dogbot_logtool.report.page.over_time import MINOR, MOST_LISTED

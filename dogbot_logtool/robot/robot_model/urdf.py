@@ -10,10 +10,9 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Leg, Mass, Triple, leg_motion
 from dogbot_logtool.core.frames.transforms import loops
-from dogbot_logtool.core.leg_position import LegPosition, leg_names
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, multiply, rotate
-from dogbot_logtool.core.settings import FORWARD_ANGLES
+from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
 

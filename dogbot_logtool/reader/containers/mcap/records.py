@@ -107,17 +107,17 @@ def decode_record(
 def described(record: bytes) -> Description | None:
     """Decode the record of a schema or a channel; None: it is malformed."""
     body = record[RECORD_HEAD.size :]
+    kind = records.Schema if record[0] == Opcode.SCHEMA else records.Channel
     facts: dict[str, object]
-    if record[0] == Opcode.SCHEMA:
-        if (schema := decode_record(records.Schema, body)) is None:
-            return None
-        facts = {"encoding": schema.encoding, "definition": schema.data}
-        return Description("schema", schema.id, schema.name, facts)
-    if (channel := decode_record(records.Channel, body)) is None:
-        return None
-    facts = {"encoding": channel.message_encoding, "schema": channel.schema_id}
-    facts["metadata"] = channel.metadata
-    return Description("channel", channel.id, channel.topic, facts)
+    match decode_record(kind, body):
+        case records.Schema() as schema:
+            facts = {"encoding": schema.encoding, "definition": schema.data}
+            return Description("schema", schema.id, schema.name, facts)
+        case records.Channel() as channel:
+            facts = {"encoding": channel.message_encoding, "schema": channel.schema_id}
+            facts["metadata"] = channel.metadata
+            return Description("channel", channel.id, channel.topic, facts)
+    return None
 
 
 def schema_record(schema: Schema) -> records.Schema:
