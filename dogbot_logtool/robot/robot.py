@@ -158,9 +158,7 @@ def parse_robot(text: str, source: str) -> Robot:
     found = tuple(_foot(by_key(foot), name, source) for name, foot in feet.items())
     values["name"] = values.get("name") or Path(source).stem
     robot = Robot(**values, feet=found)
-    on, off = robot.contact_on_n, robot.contact_off_n
-    if on is not None and off is not None and off > on:
-        raise CallError(f"{source}: contact.off_n is above contact.on_n; it must not be")
+    _check_thresholds(robot, source)
     return robot
 
 
@@ -211,7 +209,14 @@ def with_settings(robot: Robot, settings: Mapping[str, str] | None) -> Robot:
         feet = tuple(changed if each.name == foot else each for each in robot.feet)
         robot = replace(robot, feet=feet)
         given.add(f"tare.{foot}" if name == "offset_n" else path)
+    _check_thresholds(robot, "--set")
     return replace(robot, given=frozenset(given))
+
+
+def _check_thresholds(robot: Robot, source: str) -> None:
+    on, off = robot.contact_on_n, robot.contact_off_n
+    if on is not None and off is not None and off > on:
+        raise CallError(f"{source}: contact.off_n is above contact.on_n; it must not be")
 
 
 def check_robot_options(options: object) -> None:

@@ -43,6 +43,8 @@ UNSURE_MPS: Final = 0.1
 """m/s, the same of a base that hardly moves."""
 _SPREAD_M: Final = 0.05
 """m between feet from which their directions tell a turn."""
+RESTS_M: Final = 0.01
+"""m that places of feet in the body move at most while no leg steps."""
 POINTS: Final = "contact points"
 LEGS: Final = "legs"
 TWIST: Final = "the twist beside them"
@@ -59,6 +61,8 @@ class Witness(NamedTuple):
     """Whether the heading is the robot's own, and not only its changes are known."""
     tells_turn: bool
     """Whether the heading turns as the feet do; else it is that of the recorded poses."""
+    rests: bool = False
+    """Whether no foot's place moves in the body: it stands, or these are no feet's places."""
 
     def motion(self, windows: Ints, forward_rad: float) -> "Motion":
         """Return the motion along the robot's forward axis in some windows; see `motion_in`."""
@@ -201,7 +205,10 @@ def by_legs(
     speed = norms(legs.velocity[np.isfinite(legs.velocity[:, 0])])
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
-    return Witness(dead_reckoned(legs), LEGS, tells_heading=True, tells_turn=tells_turn)
+    rests = max(float(np.ptp(path.position, axis=0).max()) for path in paths) < RESTS_M
+    return Witness(
+        dead_reckoned(legs), LEGS, tells_heading=True, tells_turn=tells_turn, rests=rests
+    )
 
 
 def feet_witness(
@@ -276,9 +283,6 @@ SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
 FAR_MORE: Final = 5.0
 """Times such a way that poses must go beside a witness that hardly moves."""
-STEPS_M: Final = 0.01
-"""m a stride below which a witness does not move at all: no leg steps so short, and what is taken
-for a foot's place rests in the body."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
 SWINGS: Final = 0.3
@@ -360,8 +364,7 @@ class Comparison(NamedTuple):
         """Whether the witness goes somewhere, or the poses do by far."""
         walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
         turned = float(np.abs(self.reference.turn).sum())
-        is_far = walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
-        return self.reference.walked_m > STEPS_M * self.strides and is_far
+        return self.reference.walked_m > 0.0 and walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
 
     @property
     def scale(self) -> float:
@@ -400,9 +403,9 @@ def compare(
         forward_rad: from the body's x axis to the axis that points forward.
 
     Returns:
-        None where both tell of too few strides.
+        None where both tell of too few strides, or feet whose places rest do not tell.
     """
-    if witness is None:
+    if witness is None or witness.rests:
         return None
     reference = witness.motion(windows, forward_rad)
     both = np.isfinite(own.turn) & np.isfinite(reference.turn)

@@ -395,7 +395,8 @@ def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     # Where z of one is counted from elsewhere, the height over the feet is not known.
     tall = height.median if height else walk.worlds.spread_m if walk.worlds else np.inf
     if feet.by == LEGS:
-        if abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
+        goes_alike = feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
+        if goes_alike and abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
             words: Words = {"say": "legs", "metres": metres, "told": feet}
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
     elif feet.by == POINTS and abs(metres) > RISES * tall:
