@@ -191,7 +191,6 @@ FAULTY = {
     f'<joint name="j" type="fixed">{LEG}<origin xyz="1 two 3"/></joint>': "j: could not convert",
     f'<joint name="j" type="fixed">{LEG}<origin xyz="1 2"/></joint>': "j: not enough values",
     f'<joint name="j" type="fixed">{LEG}<origin rpy="nan 0 0"/></joint>': "j: 'nan' is not finite",
-    f'<joint name="j" type="revolute">{LEG}<limit lower="low"/></joint>': "could not convert",
     '<link name="foot"><inertial><mass value="x"/></inertial></link>': "could not convert",
     '<joint name="j" type="fixed"><parent link="b"/><child link="a"/></joint>'
     '<joint name="k" type="fixed"><parent link="a"/><child link="b"/></joint>': "in a circle",

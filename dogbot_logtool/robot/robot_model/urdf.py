@@ -172,12 +172,15 @@ def _joint(element: ET.Element) -> Joint:
 
 
 def _limits(element: ET.Element) -> JointLimits | None:
-    """Return the limits of a joint; None where it does not move.
+    """Return the limits of a joint; None where they are no numbers, or it does not move.
 
     A continuous joint has none of its position; an effort or velocity of 0 says nothing.
     """
     names = ("lower", "upper", "effort", "velocity")
-    lower, upper, effort, velocity = (_number(element, "limit", name) for name in names)
+    try:
+        lower, upper, effort, velocity = (_number(element, "limit", name) for name in names)
+    except ValueError:
+        return None
     if element.get("type") == "continuous" or lower >= upper:
         lower, upper = -np.inf, np.inf
     moves = element.get("type") != "fixed"
