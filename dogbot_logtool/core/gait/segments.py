@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -140,8 +140,10 @@ def main_segment(segments: Sequence[Segment]) -> Segment | None:
 def gait_changes(segments: Sequence[Segment], feet: Sequence[FootSteps]) -> list[tuple[int, Gait]]:
     """Return each gait and the time, ns, from which on it is; unknown where a segment ends."""
     changes = []
-    for segment in segments:
-        changes += [(segment.start, segment.gait), (segment.end, no_gait(feet))]
+    for segment, after in zip_longest(segments, segments[1:]):
+        changes.append((segment.start, segment.gait))
+        if after is None or after.start > segment.end:
+            changes.append((segment.end, no_gait(feet)))
     return changes
 
 
