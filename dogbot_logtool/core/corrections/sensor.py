@@ -58,6 +58,8 @@ _ENTER, _LEAVE = 0.1, 0.35
 """Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
 first, and ends above the second."""
 _BINS: Final = 128
+SAME: Final = 1e-9
+"""Share of a force by which it differs in its last digits only."""
 
 FEWEST_SAMPLES: Final = 20
 DROPOUTS: Final = 3
@@ -398,7 +400,7 @@ def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     """
     low, peak, high = percentiles_of(values, [1.0, 95.0, 99.0])
     none = np.empty((0, 2), np.int64)
-    if high <= low:
+    if high - low <= SAME * abs(peak):
         return Modes(none, none, none, raises, reason=CONSTANT)
     enter = leave = _otsu(np.clip(values, low, high))
     for _ in range(_ROUNDS):
