@@ -12,9 +12,9 @@ import click
 
 from dogbot_logtool import __version__
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.gone import instead_of
 from dogbot_logtool.io.printable import printable, safe_streams
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
+from dogbot_logtool.option import instead_of
 from dogbot_logtool.options import COMMANDS, record_of
 from dogbot_logtool.signals import raise_on_signals, stopped
 

@@ -107,7 +107,7 @@ def _with_legs(
     missing = {code for code, lacks in lacking.items() if lacks}
     if not missing or not joint_channels(log):
         return list(findings)
-    from dogbot_logtool.robot.robot_model.description import (  # noqa: PLC0415
+    from dogbot_logtool.robot.description import (  # noqa: PLC0415
         read_model,
         without_legs,
     )

@@ -18,10 +18,10 @@ from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import damage_of
 from dogbot_logtool.report.layouts import View, upper_bound
+from dogbot_logtool.robot.description import body_size_m, robot_shape
 from dogbot_logtool.robot.feet import assign_feet
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.robot import Robot, load_robot, with_settings
-from dogbot_logtool.robot.robot_model.description import body_size_m, robot_shape
 
 _NEARLY_ALL: Final = 0.995
 """Share of the loads that lie within the curves' bounds: a spike shall not flatten the rest."""

@@ -13,8 +13,8 @@ from dogbot_logtool.report.page.index_page import IndexRow, index, index_row
 from dogbot_logtool.report.page.render import ALONE, Beside, page
 from dogbot_logtool.report.page.replay import frame_times, replay
 from dogbot_logtool.results import Page
+from dogbot_logtool.robot.description import find_limbs
 from dogbot_logtool.robot.recorded import open_recorded
-from dogbot_logtool.robot.robot_model.description import find_limbs
 from dogbot_logtool.run.runner import OnProgress
 
 

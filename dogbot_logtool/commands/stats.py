@@ -26,7 +26,7 @@ from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.run.runner import OnProgress
 
 if TYPE_CHECKING:
-    from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
+    from dogbot_logtool.robot.urdf import RobotOfUrdf
 
 
 def measure(

@@ -22,8 +22,8 @@ from dogbot_logtool.conversion.scene import Scene
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.io.printable import printable
 from dogbot_logtool.io.storage import file_name
+from dogbot_logtool.mcap_layout import PROVENANCE
 from dogbot_logtool.options.convert import ConvertOptions
-from dogbot_logtool.provenance import PROVENANCE
 from dogbot_logtool.reader.containers.log import Batch, Chunk, Log
 from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.mcap.records import channel_record, read_extra, schema_record

@@ -10,8 +10,8 @@ from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.checks.recorded import transform_findings
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.corrections.kinematics import TransformMessages, from_opening
+from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import WorldFrames
 from dogbot_logtool.core.scene.arrows import (
     ARROW_STYLES,
@@ -28,15 +28,15 @@ from dogbot_logtool.finding import Finding
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.recording import in_time_order
-from dogbot_logtool.robot.measuring.legs import sensor_points
-from dogbot_logtool.robot.recorded import time_limits
-from dogbot_logtool.robot.robot_model.description import (
+from dogbot_logtool.robot.description import (
     RobotDescription,
     moved_links,
     robot_description,
 )
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
+from dogbot_logtool.robot.measuring.legs import sensor_points
+from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.urdf import RobotOfUrdf
 from dogbot_logtool.writer.annotations import Drawn, WantedAnnotations
 from dogbot_logtool.writer.encodings.registry import encoding_named
 from dogbot_logtool.writer.markers import Look

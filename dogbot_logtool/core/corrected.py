@@ -30,8 +30,8 @@ from dogbot_logtool.core.corrections.clock import (
     why_unusable,
     without_bad_stamps,
 )
-from dogbot_logtool.core.frames.transforms import lookup, track_of
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.corrections.transforms import lookup, track_of
+from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
     Counts,
     KnownFrames,

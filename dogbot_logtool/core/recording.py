@@ -10,7 +10,7 @@ from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, all_fini
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.corrections.clock import Stamped
-from dogbot_logtool.core.frames.transforms import Edge, Transforms
+from dogbot_logtool.core.corrections.transforms import Edge, Transforms
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -17,7 +17,7 @@ from dogbot_logtool.core.contact.foot_history import (
 )
 from dogbot_logtool.core.corrections.clock import TimeSource
 from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": pi / 2.0, "-x": pi, "-y": -pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""

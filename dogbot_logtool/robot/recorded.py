@@ -6,7 +6,7 @@ from typing import Final
 
 from dogbot_logtool.errors import CallError, LogError
 from dogbot_logtool.io.storage import Location, name_of
-from dogbot_logtool.provenance import PROVENANCE, is_marked
+from dogbot_logtool.mcap_layout import PROVENANCE, is_marked
 from dogbot_logtool.reader.containers.log import EarlierAnnotations, Extra, Log
 from dogbot_logtool.reader.opening import open_joined
 from dogbot_logtool.reader.part import TimeLimits

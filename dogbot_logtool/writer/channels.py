@@ -6,7 +6,7 @@ from typing import Final
 from mcap import records
 
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.provenance import ANNOTATION_MARK
+from dogbot_logtool.mcap_layout import ANNOTATION_MARK
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.topics import FALLBACK_PREFIX
 

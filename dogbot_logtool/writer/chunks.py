@@ -14,7 +14,7 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints, rows_by_group
-from dogbot_logtool.io.mcap_layout import INDEX_ENTRY, INDEX_HEAD, MESSAGE_HEAD, RECORD_HEAD
+from dogbot_logtool.mcap_layout import INDEX_ENTRY, INDEX_HEAD, MESSAGE_HEAD, RECORD_HEAD
 from dogbot_logtool.writer.template import Records
 
 Compression = Literal["zstd", "lz4", "none"]

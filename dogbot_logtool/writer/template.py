@@ -17,7 +17,7 @@ from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD, RECORD_HEAD
+from dogbot_logtool.mcap_layout import MESSAGE_HEAD, RECORD_HEAD
 
 Number = float | int | str
 Mark = tuple[Number, bytes]

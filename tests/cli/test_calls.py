@@ -8,8 +8,7 @@ import pytest
 from dogbot_logtool import __version__
 from dogbot_logtool.cli import cli
 from dogbot_logtool.core.definitions import definitions
-from dogbot_logtool.gone import _EVERYWHERE
-from dogbot_logtool.option import options_of
+from dogbot_logtool.option import _EVERYWHERE, options_of
 from dogbot_logtool.options import COMMANDS, CommonOptions, record_of
 from tests.oracles.recorded import TEXT_TYPE, S
 from tests.oracles.small_logs import first_seconds, text, write_ros1_mcap

@@ -12,7 +12,7 @@ from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.opening import open_log
-from dogbot_logtool.robot.robot_model.description import own_description, read_urdf
+from dogbot_logtool.robot.description import own_description, read_urdf
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from dogbot_logtool.robot.robot_model.urdf import legs_of_robot, read_robot
+from dogbot_logtool.robot.urdf import legs_of_robot, read_robot
 
 Joint = tuple[str, str, str, str, str]
 """Type, parent, child, place and axis."""

@@ -13,7 +13,7 @@ from rosbags.highlevel import AnyReader
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD
+from dogbot_logtool.mcap_layout import MESSAGE_HEAD
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.channels import added_channels
 from dogbot_logtool.writer.chunks import (

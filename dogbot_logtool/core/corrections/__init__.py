@@ -1,1 +1,1 @@
-"""What puts the samples of a recording right before anything is measured."""
+"""What puts samples right before anything is measured: clocks, sensors, frames."""

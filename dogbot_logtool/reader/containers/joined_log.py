@@ -15,7 +15,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.io.storage import Location, file_name
-from dogbot_logtool.provenance import is_marked
+from dogbot_logtool.mcap_layout import is_marked
 from dogbot_logtool.reader.containers.compression import unpacked
 from dogbot_logtool.reader.containers.log import (
     Batch,

@@ -17,7 +17,7 @@ from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import FINE, is_hind, packed, seconds, thinned
 from dogbot_logtool.report.page.over_time import MINOR, MOST_LISTED
 from dogbot_logtool.report.text.gait_diagram import default_window
-from dogbot_logtool.robot.robot_model.description import Limbs
+from dogbot_logtool.robot.description import Limbs
 
 STEP_NS: Final = 40_000_000
 """ns between frames: 25 a second."""

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import median_of
-from dogbot_logtool.core.frames.transforms import fixed_turn
+from dogbot_logtool.core.corrections.transforms import fixed_turn
 from dogbot_logtool.core.legs.estimate import Estimate, estimate
 from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.legs.joints import link_tracks
@@ -15,9 +15,9 @@ from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.robot.robot_model.description import Model, without_legs
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, axis_by_names, legs_of_robot
+from dogbot_logtool.robot.description import Model, without_legs
 from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.urdf import RobotOfUrdf, axis_by_names, legs_of_robot
 
 _WORLD: Final = "odom"
 

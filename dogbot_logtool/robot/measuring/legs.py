@@ -3,17 +3,17 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from dogbot_logtool.core.frames.kinematics import Joint
-from dogbot_logtool.core.frames.transforms import chain_of_frames
-from dogbot_logtool.core.frames.wrench_frame import FramePoint
+from dogbot_logtool.core.corrections.kinematics import Joint
+from dogbot_logtool.core.corrections.transforms import chain_of_frames
+from dogbot_logtool.core.corrections.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.legs.joints import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.names import leg_of, name_feet
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
 from dogbot_logtool.robot.selection import Selection
+from dogbot_logtool.robot.urdf import RobotOfUrdf
 from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
 
 _ORIGIN: Final = (0.0, 0.0, 0.0)

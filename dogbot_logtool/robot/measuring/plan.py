@@ -8,7 +8,7 @@ from dogbot_logtool.core.base.poses import scaled
 from dogbot_logtool.core.contact.foot_history import Thresholds
 from dogbot_logtool.core.corrected import Corrected, on_one_clock, poses_of_base
 from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
+from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError
@@ -25,7 +25,7 @@ from dogbot_logtool.robot.topics import joint_channels, nothing_to_do, side_topi
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import LegSettings
-    from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf
+    from dogbot_logtool.robot.urdf import RobotOfUrdf
 
 _OF_ROBOT: Final = (
     *("mass_kg", "forward_axis", "com_offset_m", "foot_rolling_m"),
@@ -188,11 +188,11 @@ def prepare(
     recording, selection, whole = with_joined_sensors(recording, selection)
     model = None
     if recording.joints:
+        from dogbot_logtool.robot.description import read_model  # noqa: PLC0415
         from dogbot_logtool.robot.measuring.by_legs import (  # noqa: PLC0415
             facing,
             measured_by_legs,
         )
-        from dogbot_logtool.robot.robot_model.description import read_model  # noqa: PLC0415
 
         found = read_model(log, options.urdf)
         model = found.robot

@@ -15,7 +15,7 @@ from mcap.opcode import Opcode
 from zlib_ng.zlib_ng import crc32
 
 from dogbot_logtool.core.arrays import Bytes, Ints
-from dogbot_logtool.io.mcap_layout import MESSAGE_HEAD, RECORD_HEAD
+from dogbot_logtool.mcap_layout import MESSAGE_HEAD, RECORD_HEAD
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Extra, Schema
 from dogbot_logtool.reader.containers.loss import Loss

@@ -8,7 +8,7 @@ from typing import Final
 from mcap import records
 from mcap.opcode import Opcode
 
-from dogbot_logtool.io.mcap_layout import INDEX_ENTRY, INDEX_HEAD, RECORD_HEAD
+from dogbot_logtool.mcap_layout import INDEX_ENTRY, INDEX_HEAD, RECORD_HEAD
 from dogbot_logtool.reader.containers.log import (
     Channel,
     Chunk,

@@ -16,8 +16,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, header_time, median_of
-from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
-from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
+from dogbot_logtool.core.corrections.kinematics import Joint, LinkTransforms, link_poses
+from dogbot_logtool.core.corrections.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.rotations import roll_pitch_yaw, rotate
@@ -33,9 +33,9 @@ from dogbot_logtool.reader.decode.paths import path_of
 from dogbot_logtool.reader.messages.messages import definition_of
 from dogbot_logtool.robot.measuring.legs import leg_chains
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.robot_model.urdf import RobotOfUrdf, parse_urdf, read_robot
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.topics import first_messages
+from dogbot_logtool.robot.urdf import RobotOfUrdf, parse_urdf, read_robot
 
 _LARGEST: Final = 16 << 20
 """Bytes of a URDF that are read."""

@@ -1,1 +1,0 @@
-"""Transforms between frames, and forces and points carried through them."""
