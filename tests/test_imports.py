@@ -35,7 +35,7 @@ FLOORS: Final = (
     ("writer", "io"),
     ("core",),
     ("option",),
-    ("errors", "finding", "gone", "provenance", "signals"),
+    ("errors", "finding", "mcap_layout", "signals"),
     ("extras",),
 )
 """Rooms, the highest first. A room imports only rooms on floors below its own."""

@@ -8,10 +8,10 @@ from dogbot_logtool.conversion.findings import arrow_findings, no_support, secon
 from dogbot_logtool.core.arrays import concatenated, picked
 from dogbot_logtool.core.base.poses import Odometry, usable_poses
 from dogbot_logtool.core.checks.recorded import transform_findings
+from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import first_at_each_tick
-from dogbot_logtool.core.corrections.kinematics import TransformMessages, from_opening
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.kinematics import TransformMessages, from_opening
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import WorldFrames
 from dogbot_logtool.core.scene.arrows import (
     ARROW_STYLES,

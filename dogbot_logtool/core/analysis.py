@@ -23,9 +23,9 @@ from dogbot_logtool.core.base.motion import base_motion, base_track, fallen_span
 from dogbot_logtool.core.base.poses import find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
+from dogbot_logtool.core.clock import too_far_apart
 from dogbot_logtool.core.consistency import long_delay, placed_poses, without_stopped
 from dogbot_logtool.core.corrected import Corrected, correct
-from dogbot_logtool.core.corrections.clock import too_far_apart
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
 from dogbot_logtool.core.gait.strides import any_strides, standing_in, support, typical_period_s

@@ -17,8 +17,8 @@ from dogbot_logtool.core.arrays import Floats, Ints, distinct, means_by_group, m
 from dogbot_logtool.core.base.ground import seen_from_base
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import likeness
+from dogbot_logtool.core.clock import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrections.clock import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 

@@ -12,10 +12,7 @@ from dogbot_logtool.core.arrays import AnyColumns, Floats, Ints
 from dogbot_logtool.core.base.ground import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.motion import leaning_walk_rad
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
-from dogbot_logtool.core.contact.contacts import Samples, with_swings
-from dogbot_logtool.core.contact.filtered import find_filters, without_filter
-from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
-from dogbot_logtool.core.corrections.clock import (
+from dogbot_logtool.core.clock import (
     ClockDifference,
     OffsetTrack,
     StampCheck,
@@ -30,8 +27,11 @@ from dogbot_logtool.core.corrections.clock import (
     why_unusable,
     without_bad_stamps,
 )
-from dogbot_logtool.core.corrections.transforms import lookup, track_of
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.contact.contacts import Samples, with_swings
+from dogbot_logtool.core.contact.filtered import find_filters, without_filter
+from dogbot_logtool.core.contact.foot_history import FootHistory, foot_history
+from dogbot_logtool.core.frames.transforms import lookup, track_of
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
     Counts,
     KnownFrames,

@@ -8,9 +8,9 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, all_finite, median_of
 from dogbot_logtool.core.base.poses import Odometry
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.transforms import (
+from dogbot_logtool.core.frames.transforms import (
     Edge,
     FrameTrack,
     Poses,
@@ -20,7 +20,7 @@ from dogbot_logtool.core.corrections.transforms import (
     lookup,
     track_of,
 )
-from dogbot_logtool.core.corrections.wrench_frame import (
+from dogbot_logtool.core.frames.wrench_frame import (
     FramePoint,
     WrenchFrame,
     WrenchFrameEvidence,

@@ -14,8 +14,8 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.ground import Footfalls, FootPath, footfalls, known_path
 from dogbot_logtool.core.base.witness import by_legs
-from dogbot_logtool.core.corrections.clock import first_at_each_tick, too_far_apart
-from dogbot_logtool.core.corrections.transforms import FrameTrack, lookup
+from dogbot_logtool.core.clock import first_at_each_tick, too_far_apart
+from dogbot_logtool.core.frames.transforms import FrameTrack, lookup
 from dogbot_logtool.core.gait.feet import CYCLE, FootSteps, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.legs.joints import (

@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
-from dogbot_logtool.core.corrections.clock import (
+from dogbot_logtool.core.clock import (
     FEWEST_INTERVALS,
     GAP_INTERVALS,
     SILENCE_NS,

@@ -8,9 +8,9 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, all_finite
 from dogbot_logtool.core.base.poses import Odometry, no_odometry
+from dogbot_logtool.core.clock import Stamped
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import Stamped
-from dogbot_logtool.core.corrections.transforms import Edge, Transforms
+from dogbot_logtool.core.frames.transforms import Edge, Transforms
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, all_finite, distinct, flagged_runs, norms
+from dogbot_logtool.core.clock import usual_interval_s
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import (
     ANY_FORCE_N,
@@ -18,8 +19,7 @@ from dogbot_logtool.core.contact.foot_history import (
     ContactRule,
     Thresholds,
 )
-from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.sensor import (
+from dogbot_logtool.core.contact.sensor import (
     CONSTANT,
     SURE,
     SensorLevel,

@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, median_of
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.contact.filtered import Filter
 from dogbot_logtool.core.contact.foot_history import (
     ANY_FORCE_N,
@@ -15,9 +16,8 @@ from dogbot_logtool.core.contact.foot_history import (
     ContactRule,
     Thresholds,
 )
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.sensor import Origin, SensorLevel
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.contact.sensor import Origin, SensorLevel
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 
 FORWARD_ANGLES: Final = {"+x": 0.0, "+y": pi / 2.0, "-x": pi, "-y": -pi / 2.0}
 """rad from the body's x axis to the axis that points forward."""

@@ -8,9 +8,9 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, nearest_rows, norms
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import POINT_RATE_HZ
-from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.metrics import Stability
 from dogbot_logtool.core.rotations import along_heading
 

@@ -11,7 +11,7 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, picked
-from dogbot_logtool.core.corrections.clock import (
+from dogbot_logtool.core.clock import (
     WINDOW_NS,
     OffsetTrack,
     StampCheck,

@@ -7,7 +7,7 @@ from typing import Any, Final
 from rich.console import Console
 from rich.text import Text
 
-from dogbot_logtool.core.corrections.transforms import (
+from dogbot_logtool.core.frames.transforms import (
     Edge,
     FrameEdge,
     TreeRow,

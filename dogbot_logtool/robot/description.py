@@ -16,8 +16,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints, header_time, median_of
-from dogbot_logtool.core.corrections.kinematics import Joint, LinkTransforms, link_poses
-from dogbot_logtool.core.corrections.transforms import FrameTrack, chain_of_frames, lookup
+from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
+from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.rotations import roll_pitch_yaw, rotate

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
-from dogbot_logtool.core.corrections.transforms import (
+from dogbot_logtool.core.frames.transforms import (
     Edge,
     FrameEdge,
     frame_edge,

@@ -8,8 +8,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats
-from dogbot_logtool.core.corrections.kinematics import Joint, Kind, Leg, Mass, Triple, leg_motion
-from dogbot_logtool.core.corrections.transforms import loops
+from dogbot_logtool.core.frames.kinematics import Joint, Kind, Leg, Mass, Triple, leg_motion
+from dogbot_logtool.core.frames.transforms import loops
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, multiply, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Ints, rows_by_group
-from dogbot_logtool.core.corrections.kinematics import LinkTransforms, TransformMessages
+from dogbot_logtool.core.frames.kinematics import LinkTransforms, TransformMessages
 from dogbot_logtool.core.scene.arrows import Arrows
 from dogbot_logtool.core.scene.feet import Labels, Loads, short_names
 from dogbot_logtool.core.scene.support_scene import LegLines, SupportScene

@@ -6,7 +6,7 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dogbot_logtool.core.corrections.transforms import (
+from dogbot_logtool.core.frames.transforms import (
     DEEPEST,
     Edge,
     FrameEdge,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.legs.joints import JointLimits, JointTrack, LegSettings, joint_tracks
 from dogbot_logtool.core.recording import MOST_JOINTS, JointSamples, JointTable
 

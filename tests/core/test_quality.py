@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.corrections.clock import TimeSource
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
 
 MS = 1_000_000

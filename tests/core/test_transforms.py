@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.corrections.kinematics import Joint, Triple, link_poses
-from dogbot_logtool.core.corrections.transforms import FrameTrack, Poses, frame_track, lookup
+from dogbot_logtool.core.frames.kinematics import Joint, Triple, link_poses
+from dogbot_logtool.core.frames.transforms import FrameTrack, Poses, frame_track, lookup
 from dogbot_logtool.core.rotations import rotate
 from tests.oracles.frames import turn_of
 from tests.truth.recording import about_axis

@@ -21,9 +21,9 @@ from dogbot_logtool.core.arrays import (
     median_of,
 )
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.corrections.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading, conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition, WalkSettings

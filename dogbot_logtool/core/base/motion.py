@@ -18,8 +18,8 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.ground import LOWEST_M, Footfalls, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory
+from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrections.clock import first_at_each_tick
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 

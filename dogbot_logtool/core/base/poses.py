@@ -19,7 +19,7 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     picked,
 )
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     along_heading,

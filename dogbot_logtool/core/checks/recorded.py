@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.consistency import all_silent
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame, WrenchFrameEvidence
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.core.known_frames import Counts, WorldFrames
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.recording import Recording

@@ -1,1 +1,1 @@
-"""Contact samples, stances, and the detection of contact."""
+"""Contact samples, what sensors read, the detection of contact, and stances."""

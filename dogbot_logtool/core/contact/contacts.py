@@ -25,7 +25,7 @@ from dogbot_logtool.core.arrays import (
     rows_of_runs,
     sum_by_group,
 )
-from dogbot_logtool.core.corrections.clock import LONGEST_DELAY_S, SILENCE_NS, TimeSource
+from dogbot_logtool.core.clock import LONGEST_DELAY_S, SILENCE_NS, TimeSource
 
 FOOT_IS_COLLISION1: Final = 1
 FOOT_IS_COLLISION2: Final = 2

@@ -11,9 +11,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, all_finite, median_of, percentiles_of
+from dogbot_logtool.core.clock import usual_interval_s
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.sensor import load_axis
+from dogbot_logtool.core.contact.sensor import load_axis
 
 HALF: Final = 0.5
 """Share of a foot's usual range below which its load falls until it rises above it."""

@@ -26,7 +26,9 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
     rows_of_runs,
 )
+from dogbot_logtool.core.clock import SILENCE_NS, TimeSource
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
+from dogbot_logtool.core.contact.sensor import Origin
 from dogbot_logtool.core.contact.stances import (
     Cut,
     FootTrack,
@@ -35,8 +37,6 @@ from dogbot_logtool.core.contact.stances import (
     foot_track,
     stance_figures,
 )
-from dogbot_logtool.core.corrections.clock import SILENCE_NS, TimeSource
-from dogbot_logtool.core.corrections.sensor import Origin
 
 ANY_FORCE_N: Final = 1e-9
 """Threshold where no force was ever seen, so that nothing tells what a load is."""

@@ -25,8 +25,8 @@ from dogbot_logtool.core.arrays import (
     sorted_runs,
     trapezoids,
 )
+from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing, first_at_each_tick
 from dogbot_logtool.core.quality import steady_gap_ns
 
 POINT_RATE_HZ: Final = 100.0

@@ -26,10 +26,10 @@ from dogbot_logtool.core.base.leg_odometry import (
     means,
 )
 from dogbot_logtool.core.base.poses import Odometry, base_history
+from dogbot_logtool.core.clock import TimeSource, advancing
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import find_stances, rows_in_stances
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing
-from dogbot_logtool.core.corrections.kinematics import Leg, LegMotion, leg_motion
+from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.legs.ground import (
     FEWEST,
     FeetOnGround,

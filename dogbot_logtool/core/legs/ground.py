@@ -30,11 +30,11 @@ from dogbot_logtool.core.base.leg_odometry import (
     LegOdometry,
     leg_odometry,
 )
-from dogbot_logtool.core.corrections.clock import (
+from dogbot_logtool.core.clock import (
     TimeSource,
     first_at_each_tick,
 )
-from dogbot_logtool.core.corrections.kinematics import Leg, LegMotion
+from dogbot_logtool.core.frames.kinematics import Leg, LegMotion
 from dogbot_logtool.core.legs.joints import usable_rows
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.timespans import covers

@@ -21,15 +21,15 @@ from dogbot_logtool.core.base.ground import (
     silent_before,
     unbroken,
 )
-from dogbot_logtool.core.corrections import kinematics
-from dogbot_logtool.core.corrections.clock import (
+from dogbot_logtool.core.clock import (
     ClockDifference,
     TimeSource,
     advancing,
     check_stamps,
     first_at_each_tick,
 )
-from dogbot_logtool.core.corrections.transforms import FrameTrack, frame_track
+from dogbot_logtool.core.frames import kinematics
+from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs

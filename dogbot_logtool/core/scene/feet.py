@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, median_of, norms
+from dogbot_logtool.core.clock import SILENCE_NS, first_at_each_tick
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.corrections.clock import SILENCE_NS, first_at_each_tick
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.stability import NEAR_NS
 

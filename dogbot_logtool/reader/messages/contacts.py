@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from dogbot_logtool.core.arrays import distinct
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import plausible
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel

@@ -7,7 +7,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, concatenated, median_of
 from dogbot_logtool.core.contact.contacts import Samples, no_samples
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate
 from dogbot_logtool.core.settings import leg_names
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS

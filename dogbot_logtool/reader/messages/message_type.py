@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from typing import Final, Literal, NamedTuple
 
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.paths import Want
 
 _PLANNED_WORDS: Final = (

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, concatenated, header_time, picked, rows_by_group
-from dogbot_logtool.core.corrections.transforms import Edge, Transforms
+from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.recording import (
     MOST_JOINTS,
     JointSamples,

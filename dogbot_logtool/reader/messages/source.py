@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.definition import Struct

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache, lru_cache
 from typing import Any, Final
 
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.messages.message_type import COPIED, TOLD_BY, Pairs, Part
 from dogbot_logtool.reader.messages.message_type import MessageType as Row
 

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import median_of
-from dogbot_logtool.core.corrections.transforms import fixed_turn
+from dogbot_logtool.core.frames.transforms import fixed_turn
 from dogbot_logtool.core.legs.estimate import Estimate, estimate
 from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
 from dogbot_logtool.core.legs.joints import link_tracks

@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, concatenated, nearest_rows, norms, percentiles_of
+from dogbot_logtool.core.clock import usual_interval_s
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.contact.foot_history import Thresholds
-from dogbot_logtool.core.corrections.clock import usual_interval_s
-from dogbot_logtool.core.corrections.sensor import SensorLevel, estimate_level
+from dogbot_logtool.core.contact.sensor import SensorLevel, estimate_level
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.core.sensors import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.finding import Finding, found

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from dogbot_logtool.core.corrections.kinematics import Joint
-from dogbot_logtool.core.corrections.transforms import chain_of_frames
-from dogbot_logtool.core.corrections.wrench_frame import FramePoint
+from dogbot_logtool.core.frames.kinematics import Joint
+from dogbot_logtool.core.frames.transforms import chain_of_frames
+from dogbot_logtool.core.frames.wrench_frame import FramePoint
 from dogbot_logtool.core.known_frames import KnownFrames, Point
 from dogbot_logtool.core.legs.joints import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from dogbot_logtool.core.analysis import FindLegs
 from dogbot_logtool.core.base.poses import scaled
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.contact.foot_history import Thresholds
 from dogbot_logtool.core.corrected import Corrected, on_one_clock, poses_of_base
-from dogbot_logtool.core.corrections.clock import TimeSource
-from dogbot_logtool.core.corrections.wrench_frame import WrenchFrame
+from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct, picked
-from dogbot_logtool.core.corrections.clock import TimeSource, advancing
+from dogbot_logtool.core.clock import TimeSource, advancing
 from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
 from dogbot_logtool.core.rotations import multiply, normalised, rotate, slerp
 

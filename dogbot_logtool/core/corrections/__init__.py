@@ -1,1 +1,0 @@
-"""What puts samples right before anything is measured: clocks, sensors, frames."""

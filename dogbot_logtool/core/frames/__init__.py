@@ -1,0 +1,1 @@
+"""Transforms between frames, and forces and points carried through them."""
