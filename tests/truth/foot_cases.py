@@ -16,7 +16,10 @@ from tests.truth.scenes import OneAfterAnother, standing
 from tests.truth.walking import Walk
 from tests.truth.walks import BIPED, FORCE, LONG, NO_MASS, QUIET, ROUGH, TROT, WALK, WAVE
 
-NO_FORCE: Final = "peak force, braking, load share, impulse, slip, height, froude, verdict, margin"
+NO_FORCE: Final = (
+    "peak force, braking, load share, impulse, slip, height, froude, verdict, margin, "
+    "unstable margin"
+)
 
 
 # fmt: off

@@ -230,7 +230,7 @@ def _odd_events(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
     if case.happens is None:
         return
 
-    unjudged = {"fall", "sensor_fault", *(["margin_below_zero"] if truth.leaves_polygon else [])}
+    unjudged = {"fall", "sensor_fault", *(["margin_below_zero"] if truth.unstable_fraction else [])}
 
     def is_odd(event: Mapping[str, Any]) -> bool:
         moved = any(abs(event["onset_s"] - seam) < 0.02 for seam in truth.seams_s)
@@ -300,6 +300,7 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
         ("impulse", "forces.vertical_impulse_over_weight", truth.impulse_over_weight,
          allow.impulse),
         ("margin", "stability.static_margin_m.mean", truth.static_margin_m, allow.margin),
+        ("unstable margin", "stability.unstable_fraction", truth.unstable_fraction, 0.03),
         ("energy margin", "stability.energy_margin_m.mean", truth.energy_margin_m, 0.001),
         ("froude", "base.froude", truth.froude, 0.05 * (truth.froude or 0.0)),
         ("slope", "base.slope_rad", abs(truth.slope_rad), 0.01),

@@ -73,8 +73,8 @@ class Truth:
     impulse_over_weight: float | None = 1.0
     static_margin_m: float | None = None
     """Mean, of the base's ground projection, while three feet are down."""
-    leaves_polygon: bool = False
-    """Whether the base's projection is outside of three feet that are down, at some time."""
+    unstable_fraction: float | None = None
+    """Share of the time in which that projection is outside of three feet that are down."""
     energy_margin_m: float | None = None
     """Where it does not change."""
     felt_mps2: float | None = None

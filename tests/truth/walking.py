@@ -239,8 +239,13 @@ class Walk:
             climb_m=self.speed_mps * self.seconds * float(np.sin(self.slope_rad)),
             support=self.gait.support(),
             static_margin_m=float(np.mean(found)) if found else None,
-            leaves_polygon=min(found, default=0.0) < 0.0,
+            unstable_fraction=self._unstable(found),
         )
+
+    def _unstable(self, margins_m: list[float]) -> float | None:
+        """Return the share of the time with a margin below zero; None: never three feet down."""
+        instants = len(sample_times(self.seconds, MARGIN_HZ))
+        return sum(margin < 0.0 for margin in margins_m) / instants if margins_m else None
 
     def _margins_m(self) -> list[float]:
         """Return the margins of the base's ground projection."""
