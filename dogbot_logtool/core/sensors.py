@@ -21,6 +21,7 @@ from dogbot_logtool.core.contact.foot_history import (
 )
 from dogbot_logtool.core.contact.sensor import (
     CONSTANT,
+    STEPS,
     SURE,
     SensorLevel,
     estimate_level,
@@ -89,7 +90,7 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
             return replace(level, mean_n=None) if foot.silent_in_swing else level
         level = estimate_level(time, force)
         if takes or level.zero_in_swing:
-            return level
+            return refuted(STEPS) if level.reason == STEPS else level
     offset = np.array([foot.offset_n or (0.0, 0.0, 0.0)])
     rest = estimate_level(time, force - offset)
     knots = np.zeros(1, np.int64)

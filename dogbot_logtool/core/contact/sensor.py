@@ -206,7 +206,8 @@ def estimate_level(
     if not first.reason and lead >= CLEAR:
         level = replace(level_of(first, log_time, force, axis), lead=lead)
         load = (force - level.offset_at(log_time)) @ axis
-        return level if _is_steady(level, log_time, load) else refuted(STEPS)
+        steady = _is_steady(level, log_time, load)
+        return level if steady else replace(level, reason=STEPS, hides_contact=True)
     for modes in (first, second):
         if modes.reason == ONCE:
             # The one swing tells how far the unloaded sensor strays.
