@@ -157,7 +157,7 @@ def _with_leg(
         of_strides["stride_length_m"] = leg.swings["swing_length_m"]
         foot = foot._replace(length_from="foot_frame")
     # The middle of a ball rolls with it: less the rolling, if that is known.
-    rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
+    rolling = 0.0 if any(chain.point) else walk.settings.foot_rolling_m
     if rolling is not None:
         slips = {
             "slip_m": slip_m(leg.stood.slip_m, rolling),

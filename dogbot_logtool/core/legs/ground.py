@@ -119,8 +119,6 @@ def stuck_joint(joints: LegJoints, legs: Sequence[Leg]) -> str:
 
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""
-GROUND_S: Final = 1.0
-"""s, a third of the time around a moment in which the lowest places of a foot are the ground."""
 LOW: Final = 0.25
 """Share of a foot's usual lift below which it may stand; at first, and `LOW_AND_SLOW` later."""
 LOW_AND_SLOW: Final = 0.6
@@ -170,7 +168,7 @@ class FeetOnGround(NamedTuple):
 
     def low(self) -> Flags:
         """(n, f) which feet are so low that they may stand, however the base turns."""
-        lift, usual = _lift(self.seconds, self.points, self.inertial.up)
+        lift, usual = _lift(self.points, self.inertial.up)
         return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
 
     def odometry(self, standing: Flags) -> LegOdometry:
@@ -218,9 +216,9 @@ def resting_feet(joints: LegJoints, legs: Sequence[LegMotion], inertial: Inertia
 
 def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     """Tell anew which feet rest, by (n, f) those that may."""
-    seconds, up = feet.seconds, feet.inertial.up
+    seconds = feet.seconds
     implied = -(feet.velocity + np.cross(feet.inertial.turn[:, None], feet.points))
-    lift, usual = _lift(seconds, feet.points, up)
+    lift, usual = _lift(feet.points, feet.inertial.up)
     close, top = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M), 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
@@ -232,22 +230,15 @@ def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     return feet._replace(resting=resting, agreeing=speed < AGREE * limit, fast=fast)
 
 
-def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
-    """Return how high feet are above where each is lowest in the seconds around, and usually lift.
+def _lift(feet: Floats, up: Floats) -> tuple[Floats, Floats]:
+    """Return how high feet are above where each is usually lowest, and usually lift.
 
     Returns:
         (n, f) m, less that of the lowest foot: when all rise together, it is the base that sinks;
         and (f,) m.
     """
     height = np.einsum("nfi,ni->nf", feet, up)
-    block = ((seconds - seconds[0]) / GROUND_S).astype(np.int64)
-    _, first = np.unique(block, return_index=True)
-    edges = np.array([*first.tolist(), len(seconds)])
-    middles = (seconds[edges[:-1]] + seconds[edges[1:] - 1]) / 2.0
-    around = zip([0, *edges[:-2]], [*edges[2:], edges[-1]], strict=True)
-    lowest = [percentiles_of(height[begin:end], (10.0,), axis=0)[0] for begin, end in around]
-    ground = [np.interp(seconds, middles, column) for column in np.array(lowest).T]
-    lift = height - np.stack(ground, axis=1)
+    lift = height - percentiles_of(height, (10.0,), axis=0)
     lift -= lift.min(axis=1, keepdims=True)
     return lift, np.maximum(percentiles_of(lift, (95.0,), axis=0)[0], LEAST_LIFT_M)
 
@@ -288,7 +279,6 @@ FORCE_ONLY: Final = 1e-6
 MOMENT: Final = 1e-2
 CARRY: Final = (0.75, 1.33)
 """Mean vertical force of all feet over the weight within which efforts are torques in N m."""
-WRONG_SIGN: Final = "efforts have the wrong sign"
 TOO_MUCH: Final = "by the efforts, feet carry"
 
 
@@ -373,6 +363,5 @@ def effort_fault(vertical: Floats, weight_n: float | None) -> str:
     ratio = float(vertical.sum(axis=1).mean()) / weight_n
     if CARRY[0] <= ratio <= CARRY[1]:
         return ""
-    if -CARRY[1] <= ratio <= -CARRY[0]:
-        return f"{WRONG_SIGN}: by them, the feet pull at the ground"
-    return f"{TOO_MUCH} {ratio:.3g} times the weight: they are no torques in N m"
+    what = "have the wrong sign" if ratio < 0.0 else "are no torques in N m"
+    return f"{TOO_MUCH} {ratio:.3g} times the weight: they {what}"
