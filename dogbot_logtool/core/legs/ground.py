@@ -119,6 +119,8 @@ def stuck_joint(joints: LegJoints, legs: Sequence[Leg]) -> str:
 
 SLOPE_S: Final = 0.02
 """s over which velocities are differences of positions."""
+GROUND_S: Final = 1.0
+"""s, a third of the time around a moment in which the lowest places of a foot are the ground."""
 LOW: Final = 0.25
 """Share of a foot's usual lift below which it may stand; at first, and `LOW_AND_SLOW` later."""
 LOW_AND_SLOW: Final = 0.6
@@ -168,7 +170,7 @@ class FeetOnGround(NamedTuple):
 
     def low(self) -> Flags:
         """(n, f) which feet are so low that they may stand, however the base turns."""
-        lift, usual = _lift(self.points, self.inertial.up)
+        lift, usual = _lift(self.seconds, self.points, self.inertial.up)
         return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
 
     def odometry(self, standing: Flags) -> LegOdometry:
@@ -218,7 +220,7 @@ def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     """Tell anew which feet rest, by (n, f) those that may."""
     seconds = feet.seconds
     implied = -(feet.velocity + np.cross(feet.inertial.turn[:, None], feet.points))
-    lift, usual = _lift(feet.points, feet.inertial.up)
+    lift, usual = _lift(seconds, feet.points, feet.inertial.up)
     close, top = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M), 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
@@ -230,15 +232,18 @@ def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     return feet._replace(resting=resting, agreeing=speed < AGREE * limit, fast=fast)
 
 
-def _lift(feet: Floats, up: Floats) -> tuple[Floats, Floats]:
-    """Return how high feet are above where each is usually lowest, and usually lift.
+def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
+    """Return how high feet are above where each is lowest in the seconds around, and usually lift.
 
     Returns:
         (n, f) m, less that of the lowest foot: when all rise together, it is the base that sinks;
         and (f,) m.
     """
     height = np.einsum("nfi,ni->nf", feet, up)
-    lift = height - percentiles_of(height, (10.0,), axis=0)
+    lift = height.copy()
+    for start in np.unique(seconds // GROUND_S * GROUND_S):
+        before, begin, end, after = np.searchsorted(seconds, start + GROUND_S * np.arange(-1, 3))
+        lift[begin:end] -= percentiles_of(height[before:after], (10.0,), axis=0)[0]
     lift -= lift.min(axis=1, keepdims=True)
     return lift, np.maximum(percentiles_of(lift, (95.0,), axis=0)[0], LEAST_LIFT_M)
 
