@@ -9,6 +9,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
+    Ints,
     all_finite,
     flagged_runs,
     mean_of_known,
@@ -27,6 +28,7 @@ from dogbot_logtool.core.base.leg_odometry import (
 from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.clock import TimeSource, advancing
 from dogbot_logtool.core.contact.contacts import Samples
+from dogbot_logtool.core.contact.foot_history import find_stances, rows_in_stances
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
 from dogbot_logtool.core.legs.ground import (
     FEWEST,
@@ -44,6 +46,8 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 
+SHORTEST_S: Final = 0.04
+"""s: shorter swings and stances are none."""
 CONTRADICTS: Final = 0.5
 """Share of the mean turn rate by which a gyroscope's differs from that of the feet if it is wrong;
 not less than `LEAST_TURN_RADPS`."""
@@ -105,6 +109,7 @@ def estimate(
     if not why:
         vertical = np.einsum("nfi,ni->nf", force, inertial.up)
         standing = loaded_feet(joints.seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, feet)
+    standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
     moved = feet.odometry(standing)
     if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
         raise ValueError(why_not)
@@ -214,6 +219,11 @@ def _forces(
     vertical = np.einsum("nfi,ni->nf", force, inertial.up)
     why = effort_fault(vertical, None if mass_kg is None else mass_kg * GRAVITY_MPS2)
     return (none if why else force), why
+
+
+def _debounced(time: Ints, standing: Flags) -> Flags:
+    begin, end, _, _ = find_stances(time, standing, SHORTEST_S)
+    return rows_in_stances(begin, end, standing)
 
 
 def _poses(joints: LegJoints, feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:

@@ -85,17 +85,10 @@ def _estimated(
         findings.append(found("BASE_FROM_LEGS", say="joints", by=by, lean=lean, within=within))
     if lacks_feet:
         topic = joints.topic
-        own = tuple(
-            Foot(
-                leg.name,
-                topic,
-                leg_position=leg.position,
-                frame=leg.foot,
-                contact_point_m=leg.point,
-            )
-            for leg in legs
+        feet = tuple(
+            Foot(each.name, topic, "", each.position, each.foot, each.point) for each in legs
         )
-        named = replace(named, mass_kg=mass, feet=own)
+        named = replace(named, mass_kg=mass, feet=feet)
         findings = [each for each in findings if not _is_settled(each, recording)]
         findings += _of_contact(estimated, topic)
     selection = selection._replace(

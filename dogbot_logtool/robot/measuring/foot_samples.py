@@ -40,8 +40,6 @@ _BLUR: Final = 0.02
 _UNLOADED: Final = 1.0 / 3.0
 """Share of the distance between two levels up to which the lower is that of a foot in the air;
 weight that is shifted in a stand leaves more on each foot."""
-_WALKING: Final = (0.1, 0.95)
-"""Share of the time in which a walking robot's foot is on the ground."""
 NEAR: Final = 1.5
 """Intervals between the messages of two sensors of one foot that tell of one time."""
 LEAST_N: Final = 1e-9
@@ -126,7 +124,7 @@ def _with_levels(
     robot = selection.robot
     thresholds = dict.fromkeys(raw, (0.0, robot.contact_on_counts))
     say, told = "unknown", ""
-    if robot.contact_on_counts is None and all(f.newtons_per_count is None for f in robot.feet):
+    if robot.contact_on_counts is None:
         levels = {row: _contact_level(feet[row]) for row in raw}
         wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
         if wrong:
@@ -161,11 +159,8 @@ def _contact_level(samples: Samples) -> tuple[float, float, str]:
         force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
     level = estimate_level(samples.log_time, force, _UNLOADED)
     on, offset = contact_rule(level, None, Thresholds(), None).on_n, float(level.offset_n[2])
-    why, most = level.reason, MOST_OF_LOAD * (level.loaded_n or 0.0)
-    low, high = _WALKING
-    if not why and not (on <= most and low <= (samples.force[:, 2] - offset >= on).mean() <= high):
-        why = "its counts do not change as in steps"
-    return offset, on, why
+    alike = on > MOST_OF_LOAD * (level.loaded_n or 0.0)
+    return offset, on, level.reason or ("its counts do not change as in steps" if alike else "")
 
 
 def _counted(samples: Samples, offset: float, on_counts: float | None) -> Samples:
