@@ -212,10 +212,10 @@ def _matches(pattern: str) -> list[Path]:
         part if part == "**" else re.sub(r"\*+", "*", part)
         for part in pure.relative_to(pure.anchor).parts
     ]
-    found = set(Path(pure.anchor).glob("/".join(parts)))
+    found = (path for path in Path(pure.anchor).glob("/".join(parts)) if not _leads_up(path))
     if not any(map(_is_hidden, parts)):
-        found = {path for path in found if not any(map(_is_hidden, path.parts))}
-    return sorted((path for path in found if not _leads_up(path)), key=_links_last)
+        found = (path for path in found if not any(map(_is_hidden, path.parts)))
+    return sorted(found, key=_links_last)
 
 
 def _is_hidden(name: str) -> bool:
@@ -296,6 +296,5 @@ def _is_bag(names: Sequence[str], folder: PurePath) -> bool:
 
 def _found(log: Location, root: PurePath, path: PurePath) -> Found:
     """Return a log that was found at a path below a root."""
-    is_below = path.parent.is_relative_to(root)
-    below = path.parent.relative_to(root) if is_below else PurePosixPath()
+    below = PurePosixPath() if path == root else path.parent.relative_to(root)
     return Found(log, below, searched=path != root)

@@ -128,7 +128,7 @@ def runner_for(command: Command, logs: int, jobs: int, scheduler: str | None = N
         return ClusterRunner(scheduler)
     if min(logs, jobs) <= 1:
         return SerialRunner(jobs)
-    from dogbot_logtool.run.processes import ProcessRunner  # noqa: PLC0415 - slow to import
+    from dogbot_logtool.run.executor import ProcessRunner  # noqa: PLC0415 - slow to import
 
     load = f"dogbot_logtool.commands.{command}"
     return ProcessRunner(min(logs, jobs), max(jobs // logs, 1), load=load)

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.run.processes import ProcessRunner
+from dogbot_logtool.run.executor import ProcessRunner
 from dogbot_logtool.run.runner import Failure, Runner, runner_for
 from tests.paths import ROOT
 from tests.run.work import Progress, wait_for_the_end_of, work
@@ -66,7 +66,7 @@ def test_no_worker_outlives_the_first_process(tmp_path: Path, number: signal.Sig
     script = f"""
 import signal
 from pathlib import Path
-from dogbot_logtool.run.processes import ProcessRunner
+from dogbot_logtool.run.executor import ProcessRunner
 from tests.run.work import Progress
 from tests.run.work import work
 
@@ -106,7 +106,7 @@ def printed_by(script: str) -> str:
 @pytest.mark.parametrize("files", [15, 24])
 def test_processes_that_cannot_be_started_are_told(files: int) -> None:
     script = f"""
-import dogbot_logtool.run.processes, dogbot_logtool.report.text.console
+import dogbot_logtool.run.executor, dogbot_logtool.report.text.console
 from resource import RLIMIT_NOFILE, setrlimit
 from dogbot_logtool.errors import LogtoolError
 from tests.run.work import Progress
@@ -114,7 +114,7 @@ from tests.run.work import Progress
 if __name__ == "__main__":
     setrlimit(RLIMIT_NOFILE, ({files}, {files}))
     try:
-        with dogbot_logtool.run.processes.ProcessRunner(9) as runner:
+        with dogbot_logtool.run.executor.ProcessRunner(9) as runner:
             list(runner.run(str, range(9), Progress()))
     except LogtoolError as error:
         print(error)
