@@ -173,10 +173,8 @@ def require_topic(
         )
     from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
 
-    # The slash at the beginning is forgotten most often.
-    close = [one for one in usable if one.strip("/") == topic.strip("/")]
-    close = close or get_close_matches(topic, usable[:_COMPARED], n=3)
-    meant = f"; did you mean {' or '.join(close)}?" if close else "."
+    close = get_close_matches(topic, usable[:_COMPARED], n=1)
+    meant = f"; did you mean {close[0]}?" if close else "."
     raise CallError(f"{where}: the log has no topic {topic}{meant} {can_be_used}")
 
 
