@@ -33,7 +33,6 @@ from dogbot_logtool.robot.topics import (
     has_field,
     names_of,
     offer_finding,
-    own_definition_findings,
     readable_source,
     split_topic,
     topics_of,
@@ -143,8 +142,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
         if channel.type_name in TRANSFORM_TYPES and readable_source(channel, "base")
     ]
     findings += contact_findings(feet_of, robot)
-    findings += unreadable_findings(log, poses, [*feet_of])
-    findings += own_definition_findings([*poses, *feet_of, *transforms])
+    findings += unreadable_findings(log, feet_of, poses, transforms)
     return Selection(
         robot,
         feet_of,

@@ -178,24 +178,23 @@ def _points(source: Source, values: Values, touches: Flags) -> tuple[Ints, Float
     return points, np.where(placed[:, None], point, np.nan), normal
 
 
-def feet_in(source: Source, messages: DecodedMessages) -> list[Foot]:
-    """Find the feet that messages tell of, without a topic; none where they are not about feet.
+def feet_in(source: Source, messages: DecodedMessages) -> Sequence[str]:
+    """Return the labels of the feet that messages tell of, or else names in the messages' order.
 
-    A foot without a name is told by its label, or by its index in the messages' arrays.
+    None where they are not about feet.
     """
     row, table = source.row, messages.table
     if row.by_place:
-        return [Foot(name, "") for name in _legs_by_place(source, messages)]
+        return _legs_by_place(source, messages)
     if not row.label:
         forces = [path.values(table) for path in source.paths.get("force", ())]
         told = all(np.isfinite(each).all(axis=(1, 2)).any() for each in forces)
-        return [Foot(name, "") for name in row.legs if told or not row.maybe_without_legs]
+        return row.legs if told or not row.maybe_without_legs else ()
     _, texts = source.paths["label"][0].texts(table)
     if row.only is not None:
         kind = source.paths["only"][0].all_values(table)[:, 0]
         texts = texts.pick(np.flatnonzero(kind == row.only[1]))
-    labels = sorted(texts.encode()[1])[:MOST_ELEMENTS]
-    return [Foot("", "", label=label) for label in labels if label]
+    return [label for label in sorted(texts.encode()[1])[:MOST_ELEMENTS] if label]
 
 
 def _legs_by_place(source: Source, messages: DecodedMessages) -> Sequence[str]:
