@@ -284,7 +284,7 @@ class RecordLog(Log):
         has_checksums = any(chunk.crc for chunk in found)
         for chunk in found:
             # A damaged chunk may seem to end before its end, and messages to follow it.
-            if has_checksums and not chunk.is_record:
+            if has_checksums and self._losses and not chunk.is_record:
                 what = (
                     f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
                     "belong to a damaged chunk"
