@@ -5,6 +5,7 @@ Damage is said first, and quietness does not hide it. A bad log does not stop th
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -108,7 +109,7 @@ class Call:
             runner = runner_for(command, len(items), options.jobs, self._scheduler)
         work = partial(work, options=replace(options, jobs=runner.jobs))
         bars = ProgressBars(names, visible=not self._quiet)
-        with runner, bars:
+        with closing(runner), bars:
             outcomes = runner.run(work, items, bars)
             for name, outcome in zip(names, outcomes, strict=True):
                 if isinstance(outcome, Failure):

@@ -260,7 +260,7 @@ def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:
     """
     time, point = foot.track.contact_points
     away = point - base.position_at(time)
-    place = np.stack(along_heading(away, base.angles_at(time)[:, 2]), axis=1)
+    place = np.stack(along_heading(away, base.yaw_at(time)), axis=1)
     known = all_finite(away) & all_finite(place)
     return time[known], place[known]
 

@@ -30,18 +30,16 @@ from dogbot_logtool.reader.containers.log import (
     time_range,
 )
 from dogbot_logtool.reader.containers.loss import Loss, summed_up
-from dogbot_logtool.reader.containers.salvage.content import (
+from dogbot_logtool.reader.containers.salvage import (
     ChunkContent,
     ChunkDamage,
-    left_out,
-    read_content,
-    undescribed,
-)
-from dogbot_logtool.reader.containers.salvage.records import (
     Index,
     RecordFormat,
+    left_out,
     may_begin,
     next_sound,
+    read_content,
+    undescribed,
 )
 from dogbot_logtool.reader.containers.source import ByteSource
 

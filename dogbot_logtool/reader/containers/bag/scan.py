@@ -30,7 +30,7 @@ from dogbot_logtool.reader.containers.record_log import (
     open_records,
 )
 from dogbot_logtool.reader.containers.registry import BAG_MAGIC
-from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
+from dogbot_logtool.reader.containers.salvage import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource
 
 _MOST_CONNECTIONS: Final = 0xFFFF

@@ -21,7 +21,7 @@ from dogbot_logtool.reader.containers.log import Channel, Chunk, Extra, Schema
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.record_log import UnusableIndex
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.records import Read, Records
+from dogbot_logtool.reader.containers.salvage import Read, Records
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.columns import gather
 

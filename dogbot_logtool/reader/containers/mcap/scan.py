@@ -38,7 +38,7 @@ from dogbot_logtool.reader.containers.record_log import (
     open_records,
 )
 from dogbot_logtool.reader.containers.registry import MCAP_MAGIC
-from dogbot_logtool.reader.containers.salvage.records import Index, IndexRecord, read_index
+from dogbot_logtool.reader.containers.salvage import Index, IndexRecord, read_index
 from dogbot_logtool.reader.containers.source import ByteSource
 
 _NO_ACCIDENT: Final = 4
