@@ -159,6 +159,11 @@ def check_stamps(topic: str, stamp: Ints, log_time: Ints) -> StampCheck:
         stamp: (n,) ns, in the order of the log.
         log_time: (n,) ns.
     """
+    step = np.diff(stamp)
+    rises = step.min(initial=0) >= 0 and step.max(initial=0) <= LARGEST_STEP_S * 1e9
+    if rises and (stamp[:1] > 0).all():
+        # Stamps only rise, and never far at once: nearly always.
+        return StampCheck(topic, np.ones(len(stamp), np.bool_), 0, 0, 0, ())
     valid = np.flatnonzero(stamp > 0)
     own, own_log = stamp[valid], log_time[valid]
     ahead, rows = _judged(own, own_log)
@@ -183,11 +188,7 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
         stamp: (n,) ns, above 0.
         log_time: (n,) ns.
     """
-    count, ahead = len(stamp), np.zeros(len(stamp), np.bool_)
-    step = np.diff(stamp)
-    if step.min(initial=0) >= 0 and step.max(initial=0) <= LARGEST_STEP_S * 1e9:
-        # Stamps only rise, and never far at once: nearly always.
-        return ahead, np.empty(0, np.int64)
+    count = len(stamp)
     # The clock was set back where all stamps near are lower than all near before.
     limits, bounds = np.iinfo(np.int64), (FEWEST, count - FEWEST)
     earlier = np.append(np.full(NEIGHBOURS, limits.max), stamp)
