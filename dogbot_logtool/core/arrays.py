@@ -376,7 +376,8 @@ class Integral:
 
     def added(self, begin: Ints, end: Ints) -> Floats:
         """(m, k) by how much the totals grow from some times to others."""
-        return self._at(self._since(end)) - self._at(self._since(begin))
+        before, after = self._at(self._since(np.stack([begin, end])))
+        return np.asarray(after - before)
 
     def within(self, spans: Ints) -> Floats:
         """(k,) by how much the totals grow within spans, (n, 2)."""
@@ -385,17 +386,19 @@ class Integral:
     def mean(self, time: Ints, window_ns: int) -> Floats:
         """(m, k) means over a window about each time; ask only where the columns are known."""
         since, half = self._since(time), window_ns / 2.0
-        return np.asarray((self._at(since + half) - self._at(since - half)) / (window_ns / 1e9))
+        before, after = self._at(np.stack([since - half, since + half]))
+        return np.asarray((after - before) / (window_ns / 1e9))
 
     def _since(self, time: Ints | Floats) -> Floats:
-        """(m,) from the first row on: times since 1970 would lose digits."""
+        """Of any shape, from the first row on: times since 1970 would lose digits."""
         return np.asarray(time - self.time[:1].max(initial=0)).astype(np.float64)
 
     def _at(self, since: Floats) -> Floats:
+        """Times' shape and k."""
         if not len(self.time):
-            return np.zeros((len(since), self.total.shape[1]))
+            return np.zeros((*since.shape, self.total.shape[1]))
         knots = self._since(self.time)
-        return np.stack([np.interp(since, knots, column) for column in self.total.T], axis=1)
+        return np.stack([np.interp(since, knots, column) for column in self.total.T], axis=-1)
 
 
 @np.errstate(over="ignore")

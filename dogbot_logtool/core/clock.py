@@ -159,6 +159,11 @@ def check_stamps(topic: str, stamp: Ints, log_time: Ints) -> StampCheck:
         stamp: (n,) ns, in the order of the log.
         log_time: (n,) ns.
     """
+    step = np.diff(stamp)
+    rises = step.min(initial=0) >= 0 and step.max(initial=0) <= LARGEST_STEP_S * 1e9
+    if rises and (stamp[:1] > 0).all():
+        # Stamps only rise, and never far at once: nearly always.
+        return StampCheck(topic, np.ones(len(stamp), np.bool_), 0, 0, 0, ())
     valid = np.flatnonzero(stamp > 0)
     own, own_log = stamp[valid], log_time[valid]
     ahead, rows = _judged(own, own_log)
@@ -184,9 +189,7 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
         log_time: (n,) ns.
     """
     count, ahead, far = len(stamp), np.zeros(len(stamp), np.bool_), LARGEST_STEP_S * 1e9
-    step = np.diff(stamp)
-    if step.min(initial=0) >= 0 and step.max(initial=0) <= far:
-        # Stamps only rise, and never far at once: nearly always.
+    if not count:
         return ahead, np.empty(0, np.int64)
     # The clock was set where all stamps near are lower, or far higher, than all near before.
     near = sliding_window_view(np.pad(stamp, NEIGHBOURS, mode="edge"), NEIGHBOURS)

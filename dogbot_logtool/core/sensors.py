@@ -100,7 +100,8 @@ def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:
 
 def _without_forces(samples: Samples) -> bool:
     """Tell whether there are contacts, and all of them without a force."""
-    return bool(samples.in_contact.any() and not samples.force[samples.in_contact].any())
+    touching = np.flatnonzero(samples.in_contact)
+    return len(touching) > 0 and not samples.force.take(touching, axis=0).any()
 
 
 def without_offset(samples: Samples, foot: FootSettings) -> Samples:
@@ -251,15 +252,14 @@ def _limit_n(force: Floats, level: SensorLevel) -> float | None:
         force: (n, 3) N, as recorded.
         level: of the sensor.
     """
-    force = force[all_finite(force)]
-    if level.reason or level.loaded_n is None or not len(force):
+    if level.reason or level.loaded_n is None:
         return None
-    for axis, sign in ((axis, sign) for axis in range(3) for sign in (1.0, -1.0)):
-        values = sign * force[:, axis]
-        limit = float(values.max())
-        is_far = limit - sign * level.offset_n[axis] > FAR_FROM_SWING * level.loaded_n
-        if is_far and _flat_tops(values, limit) >= SATURATED_STANCES:
-            return sign * limit
+    force = force.take(np.flatnonzero(all_finite(force)), axis=0)
+    for values, offset in zip(force.T, level.offset_n.tolist(), strict=True):
+        for sign, limit in ((1.0, float(values.max())), (-1.0, float(values.min()))):
+            is_far = sign * (limit - offset) > FAR_FROM_SWING * level.loaded_n
+            if is_far and _flat_tops(sign * values, sign * limit) >= SATURATED_STANCES:
+                return limit
     return None
 
 

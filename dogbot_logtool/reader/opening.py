@@ -1,5 +1,6 @@
 """Opening a log: its first bytes tell what it is, not its name."""
 
+import re
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from importlib import import_module
@@ -14,7 +15,6 @@ from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.registry import (
     CONTAINERS,
     ROSBAG2_METADATA,
-    ZSTD_MAGIC,
     Container,
     is_zstd,
 )
@@ -23,58 +23,44 @@ from dogbot_logtool.reader.containers.source import ByteSource, RemoteSource
 _MAGIC_SIZE: Final = 16
 _MOST_DAMAGED_BYTES: Final = 2
 _HEAD: Final = 4096
-_BYTE_ORDER_MARK: Final = b"\xef\xbb\xbf"
+_OLD: Final = rb"#ROSBAG V1"
 _TAKEN_FOR_TEXT: Final = (
-    # Other line ends.
-    b"\x89MCAP0\n",
-    b"\x89MCAP0\r\r\n",
-    b"\x89MCAP0\r\x01",
-    b"#ROSBAG V2.0\r\n",
-    # Read as UTF-8, Latin-1, Windows-1252 or ASCII, and written again.
-    *(start + b"MCAP" for start in (b"", b"\xef\xbf\xbd", b"\xc2\x89", b"\xe2\x80\xb0", b"?")),
-    *(_BYTE_ORDER_MARK + each.magic for each in CONTAINERS),
+    # Other line ends; a byte-order mark; read as UTF-8, Latin-1, Windows-1252 or ASCII.
+    rb"\x89MCAP0(\n|\r\r|\r\x01)|#ROSBAG V2\.0\r|\xef\xbb\xbf(\x89MCAP|#ROSBAG)|"
+    rb"(\xef\xbf\xbd|\xc2\x89|\xe2\x80\xb0|\?)?MCAP"
 )
-_PACKED: Final = (
-    ZSTD_MAGIC,
-    b"\x1f\x8b",
-    b"BZh",
-    b"\xfd7zXZ",
-    b"\x04\x22\x4d\x18",
-    b"PK",
-    b"7z\xbc\xaf",
-)
-"""Of zstd within zstd, gzip, bzip2, xz, lz4, zip and 7z."""
-_ZEROS: Final = (
-    "begins with zeros where a log says what it is: room was made for it, but its start was never "
-    "written (a crash or a copy that broke off); copy it again"
-)
-_POINTER: Final = (
-    "is a pointer to the log, not the log itself: fetch that ('git lfs pull', 'git annex get' or "
-    "'dvc pull')"
-)
-_TEXT: Final = (
-    "is a text (a web page, XML or JSON), not a log: maybe a server's error in place of it; look "
-    "into it, and download the log again"
-)
-_UNKNOWN: Final = (
-    "is neither a ROS 1 bag (#ROSBAG V2.0) nor an MCAP file nor a file of a ROS 2 bag: its first "
-    "bytes are none of theirs"
-)
-_STARTS: Final = {
-    **dict.fromkeys(
-        _TAKEN_FOR_TEXT,
+_NOT_LOGS: Final = {
+    rb"\Z": "is empty (0 bytes): nothing was recorded or copied into it",
+    _TAKEN_FOR_TEXT: (
         "was changed on its way by what took it for text (a transfer, an editor, a script): bytes "
-        "everywhere in it are no longer the recorded ones; copy it again in binary mode",
+        "everywhere in it are no longer the recorded ones; copy it again in binary mode"
     ),
-    **dict.fromkeys((b"version https://git-lfs.", b"outs:\n- md5:"), _POINTER),
-    **dict.fromkeys(_PACKED, "is compressed, or an archive of files; unpack it first"),
-    b"#ROSBAG V1": (
-        "is a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it"
+    rb"version https://git-lfs\.|outs:\n- md5:|.{,50}annex/objects/": (
+        "is a pointer to the log, not the log itself: fetch that ('git lfs pull', 'git annex get' "
+        "or 'dvc pull')"
     ),
-    b"rosbag2_bagfile_information:": (
+    # zstd within zstd, gzip, bzip2, xz, lz4, zip, 7z and tar.
+    rb"(?s)\x28\xb5\x2f\xfd|\x1f\x8b|BZh|\xfd7zXZ|\x04\x22\x4d\x18|PK|7z\xbc\xaf|.{257}ustar": (
+        "is compressed, or an archive of files; unpack it first"
+    ),
+    _OLD: "is a bag of an older format than 2.0; 'rosbag fix' or 'rosbag migrate' updates it",
+    rb"rosbag2_bagfile_information:": (
         f"is the {ROSBAG2_METADATA} of a ROS 2 bag; name the directory that it is in"
     ),
+    rb"\0+\Z": (
+        "begins with zeros where a log says what it is: room was made for it, but its start was "
+        "never written (a crash or a copy that broke off); copy it again"
+    ),
+    rb"(\xef\xbb\xbf)?\s*[<{[]": (
+        "is a text (a web page, XML or JSON), not a log: maybe a server's error in place of it; "
+        "look into it, and download the log again"
+    ),
+    rb"": (
+        "is neither a ROS 1 bag (#ROSBAG V2.0) nor an MCAP file nor a file of a ROS 2 bag: its "
+        "first bytes are none of theirs"
+    ),
 }
+"""How files begin that are no logs, and the sentence, without its subject, that says so."""
 
 
 def open_log(path: Location) -> Log:
@@ -159,7 +145,7 @@ def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
         container = _with_damaged_magic(magic)
         damage = (Loss(0, "the file's first bytes are damaged"),)
         # A log that was taken for text on its way resembles one, but no length holds in it.
-        if container is None or magic.startswith(tuple(_STARTS)):
+        if container is None or re.match(_TAKEN_FOR_TEXT + b"|" + _OLD, magic):
             raise LogError(f"{storage.name_of(source.path)}: {_not_a_log(source)}")
     module = import_module(f"dogbot_logtool.reader.containers.{container.module}")
     log: Log = module.open_log(source, distribution)
@@ -181,19 +167,6 @@ def _with_damaged_magic(magic: bytes) -> Container | None:
 def _not_a_log(source: ByteSource) -> str:
     """Return the sentence, without its subject, that says what a file is if not a log."""
     head = source.read(0, _HEAD)
-    is_cut_off = any(each.magic.startswith(head) for each in CONTAINERS)
-    text = head.removeprefix(_BYTE_ORDER_MARK).lstrip()
-    cases = (
-        (not head, "is empty (0 bytes): nothing was recorded or copied into it"),
-        *((head.startswith(start), what) for start, what in _STARTS.items()),
-        (head[257:262] == b"ustar", _STARTS[ZSTD_MAGIC]),
-        (not head.strip(b"\0"), _ZEROS),
-        (b"annex/objects/" in head[:64], _POINTER),
-        (text.startswith((b"<", b"{", b"[")), _TEXT),
-        (
-            is_cut_off,
-            f"breaks off after {source.size} bytes, before a log says what it is; copy it again",
-        ),
-        (True, _UNKNOWN),
-    )
-    return next(what for fits, what in cases if fits)
+    if head and any(each.magic.startswith(head) for each in CONTAINERS):
+        return f"breaks off after {source.size} bytes, before a log says what it is; copy it again"
+    return next(what for start, what in _NOT_LOGS.items() if re.match(start, head))

@@ -2,6 +2,7 @@
 
 import sys
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
@@ -81,9 +82,7 @@ def in_order(
             "a process that worked on it died, perhaps because memory ran out; try --jobs 1"
         ) from error
     finally:
-        with held_back():
-            kill_processes(pool)
-            pool.shutdown(cancel_futures=True)
+        end_pool(pool)
 
 
 def _result(pool: "Executor", future: "Future[Result]") -> Result:
@@ -100,17 +99,31 @@ def kill_if_one_died(pool: "Executor") -> None:
 
     One that dies while it sends leaves a part of a result, for whose rest the pool waits for ever.
     """
-    if not all(process.is_alive() for process in processes_of(pool)):
-        kill_processes(pool)
+    if not all(process.is_alive() for process in _processes(pool)):
+        _kill(pool)
 
 
-def kill_processes(pool: "Executor") -> None:
-    """End the processes of a pool at once, whatever they do.
+def end_pool(pool: "Executor", clean_up_s: float = 0.0) -> None:
+    """End a pool, whose `shutdown` alone waits until its processes have done what they have begun.
 
-    `shutdown` alone waits until they have done what they have begun.
+    Args:
+        pool: the pool.
+        clean_up_s: how long they may remove what they have begun to write.
     """
+    with held_back():
+        end = time.monotonic() + clean_up_s
+        processes = _processes(pool)
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.join(max(end - time.monotonic(), 0.0))
+        _kill(pool)
+        pool.shutdown(cancel_futures=True)
+
+
+def _kill(pool: "Executor") -> None:
     # Python 3.14 has a method for this.
-    for process in processes_of(pool):
+    for process in _processes(pool):
         process.kill()
     # One that ended while it sent a result leaves a part of it: with our own end of the pipe
     # closed, the pool's thread does not wait for the rest.
@@ -118,8 +131,8 @@ def kill_processes(pool: "Executor") -> None:
         pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
 
 
-def processes_of(pool: "Executor") -> "list[BaseProcess]":
-    """Return the processes of a pool; a pool of threads has none, nor has one that has ended."""
+def _processes(pool: "Executor") -> "list[BaseProcess]":
+    """Return the processes of a pool; of threads, or one that has ended, there are none."""
     return list((getattr(pool, "_processes", None) or {}).values())
 
 

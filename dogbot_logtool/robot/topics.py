@@ -14,17 +14,15 @@ from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log, damage_of
 from dogbot_logtool.reader.decode.paths import Columns
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.part import WantedVectors
 from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.words import texts_of, word_set
+from dogbot_logtool.robot.words import PLANNED, texts_of, word_set
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
@@ -39,7 +37,7 @@ _MEASURED: Final = word_set(
 _COMMANDS: Final = (
     word_set("cmd"),
     word_set("command commands commanded cmds"),
-    word_set("desired des target setpoint reference ref teleop joy"),
+    PLANNED | {"teleop", "joy"},
 )
 """Words of topics whose twists are commands, the surest first."""
 _ELSEWHERE: Final = word_set(
@@ -47,7 +45,9 @@ _ELSEWHERE: Final = word_set(
     "livox ouster velodyne"
 )
 """Words of topics of inertial units that are not the base's; numbers are those of cameras."""
-_NO_STATES: Final = frozenset[str]().union(*_COMMANDS, {"goal", "foot"})
+_OTHER: Final = 9
+"""Rank of topics of something else."""
+_NO_STATES: Final = PLANNED | {"teleop", "joy", "foot"}
 """Words in topics whose joint states are no positions of joints."""
 _MOST_CHANNELS: Final = 16
 
@@ -59,6 +59,11 @@ class Topic(NamedTuple):
     source: Source
     channels: tuple[Channel, ...]
     """All of one definition."""
+
+    @property
+    def is_planned(self) -> bool:
+        """Whether it tells what was planned of feet, not what was measured."""
+        return _is_planned(self.source, self.name)
 
 
 def message_count(log: Log, topic: str) -> int:
@@ -166,17 +171,25 @@ def require_topic(
         )
     from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
 
-    # The slash at the beginning is forgotten most often.
-    close = [one for one in usable if one.strip("/") == topic.strip("/")]
-    close = close or get_close_matches(topic, usable[:_COMPARED], n=3)
-    meant = f"; did you mean {' or '.join(close)}?" if close else "."
+    close = get_close_matches(topic, usable[:_COMPARED], n=1)
+    meant = f"; did you mean {close[0]}?" if close else "."
     raise CallError(f"{where}: the log has no topic {topic}{meant} {can_be_used}")
 
 
 def is_planned(channel: Channel) -> bool:
     """Tell whether a channel's messages tell what was planned, not what was measured."""
     source = source_of(channel, "feet")
-    return source is not None and source.row.is_planned(channel.topic)
+    return source is not None and _is_planned(source, channel.topic)
+
+
+def _is_planned(source: Source, topic: str) -> bool:
+    by_name = source.row.planned == "by name" and is_named_as_planned(topic)
+    return source.row.planned == "always" or by_name
+
+
+def is_named_as_planned(topic: str) -> bool:
+    """Tell whether the name of a topic of feet says that it is a plan or a command."""
+    return not texts_of(topic).isdisjoint(PLANNED | {"control", "mpc"})
 
 
 # --- beside feet and base -----------------------------------------------------------------------
@@ -213,11 +226,12 @@ def side_topics(
         ("accelerations", "imu_topic", robot.imu_topic, "the base's accelerations"),
     )
     for part, option, asked, what in parts:
+        topics = [each for each in topics_of(log, part) if asked in {None, each.name}]
         if asked is not None:
             require_topic(log, option, asked, part)
-        every = topics_of(log, part)
-        named = [each for each in every if each.name == asked]
-        topics = _likely(every, part) if asked is None else named
+        else:
+            topics = [each for each in topics if _rank(each.name, part) < _OTHER]
+            topics.sort(key=lambda each: _rank(each.name, part))
         chosen.append(WantedVectors(topics[0].name, topics[0].channels, part) if topics else None)
         if topics and asked is None:
             best, *others = [each.name for each in topics]
@@ -228,19 +242,16 @@ def side_topics(
     return commands, accelerations, tuple(findings)
 
 
-def _likely(topics: Iterable[Topic], part: Part) -> list[Topic]:
-    """Return the topics that are named like commands, or the base's inertial unit, best first."""
-    ranked: list[tuple[int, Topic]] = []
-    for topic in topics:
-        words = texts_of(topic.name)
-        if part == "accelerations":
-            ranks = [] if words & _ELSEWHERE else [int("raw" in words)]
-        else:
-            is_other = topic.name.rpartition("/")[2] != "cmd_vel"
-            ranks = [2 * row + is_other for row, sure in enumerate(_COMMANDS) if words & sure]
-            ranks = [] if words & _MEASURED else ranks
-        ranked += [(rank, topic) for rank in ranks[:1]]
-    return [topic for _, topic in sorted(ranked, key=lambda each: each[0])]
+def _rank(name: str, part: Part) -> int:
+    """Rank topics that are named like commands, or like the base's inertial unit; 0 is best."""
+    words = texts_of(name)
+    if part == "accelerations":
+        return _OTHER if words & _ELSEWHERE else int("raw" in words)
+    if words & _MEASURED:
+        return _OTHER
+    if name.rpartition("/")[2] == "cmd_vel":
+        return 0
+    return next((row for row, sure in enumerate(_COMMANDS, start=1) if words & sure), _OTHER)
 
 
 # --- what is offered, and what is said -----------------------------------------------------------
@@ -271,7 +282,7 @@ def offer_finding(log: Log, sets: Sequence[FootSet], call: str) -> Finding:
         options = " or ".join(foot_options(one.feet) for one in others[:_ALTERNATIVES])
         which = first.fields + (f"; or {options}" if others else "")
         return replace(found("FEET_UNSURE", say="topics", which=which, call=call), command=call)
-    told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in sets[:3])
+    told = "; or ".join(f"{o.fields} ({'; '.join(o.reasons)})" for o in sets[:3])
     if any(foot.leg_position is None for foot in first.feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
         told += f"{first.feet[0].name} and the others, and gaits have names"
@@ -303,36 +314,45 @@ def call_of(log: Log, options: RobotOptions) -> str:
 
 
 def unreadable_findings(
-    log: Log, odometry: Sequence[Channel], contacts: Sequence[Channel]
+    log: Log, feet: Collection[Channel], poses: Collection[Channel], transforms: Iterable[Channel]
 ) -> Iterator[Finding]:
-    """Say which topics of types that could be used cannot be decoded, once for every reason.
+    """Say which topics cannot be decoded, and for which our definition stands in for the log's.
 
     It is an error where no odometry, or no foot, is left.
 
     Args:
         log: the log.
-        odometry: channels that are used.
-        contacts: channels that are used.
+        feet: channels of feet that are used.
+        poses: those of the base.
+        transforms: those of frames.
     """
-    lost: dict[tuple[bool, str], set[str]] = {}
-    unknown: dict[str, set[str]] = {}
+    used = {channel.id for channel in (*feet, *poses, *transforms)}
+    topics_of_text: dict[tuple[str, str], set[str]] = {}
     for channel in log.channels.values():
-        is_base = channel.type_name in {ODOMETRY_TYPE, *TRANSFORM_TYPES}
-        source = source_of(channel, "base" if is_base else "feet")
-        if source is not None and source.fault:
-            # Messages that can be about anything need not be about feet.
-            is_error = not source.row.anything and not contacts
-            if is_base:
-                is_error = channel.type_name == ODOMETRY_TYPE and not odometry
-            lost.setdefault((is_error, source.fault), set()).add(channel.topic)
-        is_known = channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
-        if not is_known and not readable_source(channel, "base"):
-            unknown.setdefault(channel.message_encoding, set()).add(channel.topic)
-    for (is_error, reason), topics in sorted(lost.items()):
-        yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
-    for encoding, topics in unknown.items() if not (contacts or lost) else ():
-        text = f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
-        yield _about(topics, text, ("not_needed",))
+        cases: dict[str, str] = {}
+        sources = source_of(channel, "feet"), source_of(channel, "base")
+        for source, has_other in zip(sources, (feet, poses), strict=True):
+            if source is None:
+                continue
+            # Messages that can be about anything need not be about feet or the base.
+            is_asked = not (source.row.anything or source.row.choose)
+            if source.fault and (source is sources[0] or not (sources[0] or source.row.anything)):
+                is_needed = is_asked and not has_other
+                cases[source.fault + _NOT_USED] = "" if is_needed else "one_topic"
+            elif source.own_definition and channel.id in used:
+                text = f"{source.own_definition}; the one that comes with dogbot-logtool is used"
+                cases[text] = "own_definition"
+        encoding = channel.message_encoding
+        is_known = encoding in SERIALISATIONS or channel.type_name.startswith("foxglove.")
+        if not (any(sources) or is_known or feet):
+            text = f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
+            cases[text] = "not_needed"
+        for text, case in cases.items():
+            topics_of_text.setdefault((case, text), set()).add(channel.topic)
+    for (case, text), topics in sorted(topics_of_text.items()):
+        where = min(topics) if len(topics) == 1 else ""
+        told = f"{listed(sorted(topics))}: {text}"
+        yield Finding("UNREADABLE", told, where, cases=(case,) if case else ())
 
 
 def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
@@ -370,24 +390,6 @@ def not_calibrated(
         say, told = "given", f"{counts:.6g}"
     finding = found("NO_FORCE", "counts", say=say, type=name, names=", ".join(names), told=told)
     return replace(finding, feet=names)
-
-
-def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
-    """Say for which of the used channels this program's definition stands in for the log's."""
-    topics: dict[str, set[str]] = {}
-    for channel in used:
-        for source in (source_of(channel, "feet"), source_of(channel, "base")):
-            if source and source.own_definition:
-                topics.setdefault(source.own_definition, set()).add(channel.topic)
-    for because, own in sorted(topics.items()):
-        text = f"{because}; the one that comes with dogbot-logtool is used"
-        yield _about(own, text, ("own_definition",))
-
-
-def _about(topics: Collection[str], text: str, cases: tuple[str, ...]) -> Finding:
-    named = sorted(topics)
-    where = named[0] if len(named) == 1 else ""
-    return Finding("UNREADABLE", f"{listed(named)}: {text}", where, cases=cases)
 
 
 def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:

@@ -2,7 +2,6 @@
 
 import logging
 import pickle
-import re
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
@@ -19,7 +18,6 @@ try:
 except ImportError as error:
     raise ExtraMissingError("--scheduler", "fleet") from error
 
-_ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://\S+")
 _AT_ONCE: Final = 2000
 """Items that the scheduler has at once: they bound its memory."""
 _CONNECT_S: Final = 10
@@ -44,7 +42,7 @@ class ClusterRunner(ExecutorRunner[Result]):
             CallError: it is no address.
             LogtoolError: no scheduler answers.
         """
-        if not _ADDRESS.fullmatch(scheduler):
+        if "://" not in scheduler:
             what = "must be an address such as tcp://host:8786"
             raise CallError(f"--scheduler {scheduler}: {what}")
         self._name = scheduler
@@ -106,7 +104,7 @@ def _connected(scheduler: str) -> "distributed.Client":
         return distributed.Client(scheduler, timeout=_CONNECT_S, set_as_default=False)
     except Exception as error:  # a server of another kind may answer anything
         # dask names the address without what makes it one, and so with its password.
-        why = str(error).replace(scheduler.partition("://")[2], name_of(scheduler))
+        why = str(error).replace(scheduler.partition("://")[2] or scheduler, name_of(scheduler))
         raise LogtoolError(
             f"--scheduler {scheduler}: no scheduler answers there ({why or 'timed out'}); "
             "check the address, and that `dask scheduler` runs there"

@@ -1,12 +1,9 @@
 """Which logs the words of the command line name: files, directories, globs, lists and URLs."""
 
-import codecs
 import os
 import re
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
@@ -31,12 +28,11 @@ Unreadable = dict[str, str]
 """Names of directories that could not be searched, and a sentence that says why."""
 
 
-@dataclass(frozen=True, slots=True)
-class Found:
+class Found(NamedTuple):
     """A log that was named or found."""
 
     path: Location
-    below: PurePath = field(default_factory=PurePosixPath)
+    below: PurePath = PurePosixPath()
     """Its directory below the one that was searched; what is made of it lies likewise."""
     searched: bool = False
     """It was found in a directory, not named."""
@@ -88,7 +84,7 @@ def find_logs(words: Iterable[str], *, for_workers: bool = False) -> LogSet:
                 left_out += 1
                 continue
             path = one.path.absolute() if for_workers else one.path
-            found.setdefault(storage.identity(path), replace(one, path=path))
+            found.setdefault(storage.identity(path), one._replace(path=path))
     if not found and unreadable:
         why = next(iter(unreadable.values()))
         raise LogtoolError(f"{why}, and there are no logs elsewhere")
@@ -129,11 +125,10 @@ def _listed(path: Location, unreadable: Unreadable) -> Iterator[Found]:
 def _lines(path: Location) -> list[str]:
     """Return the lines of a list: names of files may be any bytes, so these need not be UTF-8."""
     data = storage.content(path, _LARGEST_LIST)
-    lines = data.removeprefix(codecs.BOM_UTF8).split(b"\n")
-    with suppress(UnicodeDecodeError):  # Windows, where names are no bytes
-        if b"\0" not in data:
-            return [os.fsdecode(line.removesuffix(b"\r")) for line in lines]
-    raise CallError(f"@{storage.name_of(path)}: is no list of logs, not even text in UTF-8")
+    if b"\0" in data:
+        raise CallError(f"@{storage.name_of(path)}: is no list of logs, not even text in UTF-8")
+    lines = data.decode("utf-8-sig", "surrogateescape").split("\n")
+    return [line.removesuffix("\r") for line in lines]
 
 
 # --- Disks ----------------------------------------------------------------------------------------
@@ -160,8 +155,8 @@ def _on_disk(path: Path, unreadable: Unreadable) -> Iterator[Found]:
 
 def _searched(folder: Path, unreadable: Unreadable) -> list[Found]:
     """Find the logs below a directory of a disk, or that it is one; by name, links last."""
-    logs = _logs_among(list(_files_below(folder, unreadable)))
-    return [_found(path, folder, path) for path in sorted(logs, key=_links_last)]
+    logs = sorted(_logs_among([*_files_below(folder, unreadable)]), key=_links_last)
+    return [_found(path, folder, path) for path in logs]
 
 
 def _links_last(path: Path) -> tuple[bool, tuple[str, ...]]:
@@ -212,10 +207,10 @@ def _matches(pattern: str) -> list[Path]:
         part if part == "**" else re.sub(r"\*+", "*", part)
         for part in pure.relative_to(pure.anchor).parts
     ]
-    found = set(Path(pure.anchor).glob("/".join(parts)))
+    found = (path for path in Path(pure.anchor).glob("/".join(parts)) if not _leads_up(path))
     if not any(map(_is_hidden, parts)):
-        found = {path for path in found if not any(map(_is_hidden, path.parts))}
-    return sorted((path for path in found if not _leads_up(path)), key=_links_last)
+        found = (path for path in found if not any(map(_is_hidden, path.parts)))
+    return sorted(found, key=_links_last)
 
 
 def _is_hidden(name: str) -> bool:
@@ -296,6 +291,5 @@ def _is_bag(names: Sequence[str], folder: PurePath) -> bool:
 
 def _found(log: Location, root: PurePath, path: PurePath) -> Found:
     """Return a log that was found at a path below a root."""
-    is_below = path.parent.is_relative_to(root)
-    below = path.parent.relative_to(root) if is_below else PurePosixPath()
+    below = PurePosixPath() if path == root else path.parent.relative_to(root)
     return Found(log, below, searched=path != root)

@@ -7,7 +7,7 @@ other.
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Any, Generic, Literal, NamedTuple, Protocol, Self, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from dogbot_logtool.errors import LogtoolError
 
@@ -64,12 +64,6 @@ class Runner(ABC, Generic[Result]):
     def close(self) -> None:
         """End all workers; what is under way is given up."""
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.close()
-
 
 class SerialRunner(Runner[Result]):
     """One item after the other in this process, each on all cores that may be used."""
@@ -82,9 +76,9 @@ class SerialRunner(Runner[Result]):
     ) -> Iterator[Result | Failure]:
         """See `Runner.run`."""
         for number, item in enumerate(items):
+            on_progress = partial(progress.update, number)
             # A bug met with a single log is better seen with its traceback.
-            is_alone = len(items) == 1
-            outcome = attempt(work, item, partial(progress.update, number), raises=is_alone)
+            outcome = attempt(work, item, on_progress, raises=len(items) == 1)
             progress.finished(number)
             yield outcome
 
@@ -128,7 +122,7 @@ def runner_for(command: Command, logs: int, jobs: int, scheduler: str | None = N
         return ClusterRunner(scheduler)
     if min(logs, jobs) <= 1:
         return SerialRunner(jobs)
-    from dogbot_logtool.run.processes import ProcessRunner  # noqa: PLC0415 - slow to import
+    from dogbot_logtool.run.executor import ProcessRunner  # noqa: PLC0415 - slow to import
 
     load = f"dogbot_logtool.commands.{command}"
     return ProcessRunner(min(logs, jobs), max(jobs // logs, 1), load=load)

@@ -68,7 +68,7 @@ def test_an_address_without_scheduler() -> None:
 )
 def test_a_worker_that_cannot_do_it(address: str, tmp_path: Path, first: str, what: str) -> None:
     """Items that it gets fail at once, and are not waited for."""
-    with workers(address, 1, tmp_path), ClusterRunner[Any](address) as runner:
+    with workers(address, 1, tmp_path), contextlib.closing(ClusterRunner[Any](address)) as runner:
         results = runner.run(work, [("slow", tmp_path)] * 200, Progress())
         assert next(results) == "SLOW"
         with workers(address, 1, tmp_path, first):
@@ -82,7 +82,7 @@ def test_a_worker_that_cannot_do_it(address: str, tmp_path: Path, first: str, wh
 def test_the_killer_of_workers_is_named_and_nothing_else(address: str, tmp_path: Path) -> None:
     items = ["slow", "a", "wrong", "slow", "deadly", "b", "slow", "slow"]
     progress = Progress()
-    with workers(address, 6, tmp_path), ClusterRunner[Any](address) as runner:
+    with workers(address, 6, tmp_path), contextlib.closing(ClusterRunner[Any](address)) as runner:
         found = list(runner.run(work, [(item, tmp_path) for item in items], progress))
     assert found[4].sentence.startswith("every worker that worked on it died")
     assert found[2].sentence == "no such file"
@@ -98,7 +98,7 @@ def test_a_scheduler_that_is_lost(tmp_path: Path) -> None:
     items = [("slow", tmp_path)] * 100
     with contextlib.ExitStack() as stack:
         with scheduler(tmp_path) as address, workers(address, 1, tmp_path):
-            runner = stack.enter_context(ClusterRunner[Any](address))
+            runner = stack.enter_context(contextlib.closing(ClusterRunner[Any](address)))
             runner.capacity = 10  # some are handed out when it is lost already
             results = runner.run(work, items, progress)
             assert next(results) == "SLOW"
@@ -116,7 +116,7 @@ def test_a_scheduler_without_workers(
     address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "_WORKER_S", 2)
-    with ClusterRunner[Any](address) as runner:
+    with contextlib.closing(ClusterRunner[Any](address)) as runner:
         found = list(runner.run(work, [("slow", tmp_path)] * 2, Progress()))
     assert len(found) == 2
     assert all(f"with: dask worker {address}" in failure.sentence for failure in found)
@@ -125,7 +125,7 @@ def test_a_scheduler_without_workers(
 @pytest.mark.slow
 def test_an_interruption_leaves_the_cluster(address: str, tmp_path: Path) -> None:
     with workers(address, 1, tmp_path):
-        with ClusterRunner[Any](address) as runner:
+        with contextlib.closing(ClusterRunner[Any](address)) as runner:
             next(runner.run(work, [("slow", tmp_path)] * 1000, Progress()))
         with Client(address, set_as_default=False) as client:
             end = time.monotonic() + WITHIN_S

@@ -192,9 +192,13 @@ class BaseHistory:
         """Interpolate roll, pitch and unwrapped yaw; (n, 3) rad, NaN like `position_at`."""
         return self._interpolated(time, self.angles)
 
+    def yaw_at(self, time: Ints) -> Floats:
+        """Interpolate the unwrapped yaw; (n,) rad, NaN like `position_at`."""
+        return self._interpolated(time, self.angles[:, 2:])[:, 0]
+
     def _interpolated(self, time: Ints, values: Floats) -> Floats:
         if len(self.time) == 0:
-            return np.full((len(time), 3), np.nan)
+            return np.full((len(time), values.shape[1]), np.nan)
         at = interpolated(time, self.time, values)
         after = np.minimum(np.searchsorted(self.time, time), len(self.time) - 1)
         before = np.where(self.time[after] > time, np.maximum(after - 1, 0), after)

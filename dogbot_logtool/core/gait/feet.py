@@ -122,7 +122,7 @@ def foot_steps(
         peak_vertical_force_n=np.where(lone, calm_vertical_n, figures.peak_vertical_force_n),
     )
     stances = stances._replace(figures=figures)
-    heading = base.angles_at(stances.middle)[:, 2] + settings.forward_rad
+    heading = base.yaw_at(stances.middle) + settings.forward_rad
     # A spike may be as large as all that brakes.
     spiked = np.where(figures.spikes > 0.0, np.nan, 0.0)
     braking, propulsive = fore_aft_ns(record, heading) + spiked
@@ -137,7 +137,7 @@ def foot_steps(
     length, length_from = _own_lengths(stood, ground, strides), "points"
     if not np.isfinite(length).any():
         # A stride in which the base hardly turns is as long for all of its feet.
-        turn = base.angles_at(strides.end)[:, 2] - base.angles_at(strides.touchdown)[:, 2]
+        turn = base.yaw_at(strides.end) - base.yaw_at(strides.touchdown)
         is_straight = np.abs(turn) < STRAIGHT_RAD
         length, length_from = np.where(is_straight, travelled, np.nan), "base"
     of_strides = {

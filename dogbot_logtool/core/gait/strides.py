@@ -244,7 +244,7 @@ def _moving(span: Ints, base: BaseHistory) -> Ints:
     start, end = span.tolist()
     count = max(1, int((end - start) / (_STEP_S * 1e9)))
     time = np.linspace(start, end, count + 1).astype(np.int64)
-    position = np.column_stack([base.position_at(time)[:, :2], base.angles_at(time)[:, 2]])
+    position = np.column_stack([base.position_at(time)[:, :2], base.yaw_at(time)])
     known = position[all_finite(position)]
     away = np.abs(known - known[:1])
     if not (np.hypot(*away[:, :2].T) >= MOVED_M).any() and not (away[:, 2] >= TURNED_RAD).any():

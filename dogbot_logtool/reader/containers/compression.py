@@ -18,7 +18,7 @@ from dogbot_logtool.io.storage import file_stem, name_of, scratch_folder
 from dogbot_logtool.reader.containers.log import Batch, Log
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.registry import ZSTD_MAGIC, is_zstd
-from dogbot_logtool.reader.containers.salvage.content import ChunkDamage
+from dogbot_logtool.reader.containers.salvage import ChunkDamage
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.decode.columns import gather
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Ints
-from dogbot_logtool.reader.containers.salvage.records import Read, Records
+from dogbot_logtool.reader.containers.salvage import Read, Records
 from dogbot_logtool.reader.decode.columns import gather, gather_bytes, rows_like
 
 AnyNumber = TypeVar("AnyNumber", int, Ints)

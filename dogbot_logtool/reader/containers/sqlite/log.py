@@ -26,14 +26,13 @@ from dogbot_logtool.reader.containers.log import (
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.source import ByteSource
 from dogbot_logtool.reader.containers.sqlite.journals import with_journals
-from dogbot_logtool.reader.containers.sqlite.pages import Pages
+from dogbot_logtool.reader.containers.sqlite.pages import Damage, Pages
 from dogbot_logtool.reader.containers.sqlite.tables import (
     MessageTable,
     Table,
     find_tables,
     small_rows,
 )
-from dogbot_logtool.reader.containers.sqlite.tree import Damage
 from dogbot_logtool.reader.decode.definition import known_definition, long_type_name
 
 _CHUNK_SIZE: Final = 1 << 20

@@ -8,12 +8,12 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
 from dogbot_logtool.reader.containers.log import Messages
-from dogbot_logtool.reader.containers.sqlite.pages import Pages
-from dogbot_logtool.reader.containers.sqlite.tree import (
+from dogbot_logtool.reader.containers.sqlite.pages import (
     LONGEST_VARINT,
     SWOLLEN,
     Cells,
     Damage,
+    Pages,
     Times,
     cells_in,
     cells_of,

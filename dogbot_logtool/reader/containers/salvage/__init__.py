@@ -1,1 +1,0 @@
-"""Damaged files: scan, resynchronise, validate, account for losses."""
