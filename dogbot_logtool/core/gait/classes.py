@@ -149,22 +149,51 @@ def _from_wave(phases: Floats, lag: float, side: float) -> Floats:
 
 
 def phases_in(reference: Strides, touchdown: Ints) -> Floats:
-    """Return the phase of a foot in each reference stride, by its next touchdown.
+    """Return the phase of each touchdown that lies inside a reference stride.
 
-    phase = (TD - TD_ref(k)) / T_ref(k), on the circle. Source: Hildebrand 1965, Science 150:701. Of
-    a foot that moves with the reference foot, the next touchdown may be that of the next stride.
+    phase = (TD - TD_ref(k)) / T_ref(k), cycles in [0, 1). Source: Hildebrand 1965, Science
+    150:701.
 
     Args:
-        reference: n strides of the reference foot.
+        reference: strides of the reference foot.
+        touchdown: (n,) ns, of another foot, in order.
+
+    Returns:
+        (m,) phases.
+    """
+    stride = np.searchsorted(reference.touchdown, touchdown, side="right") - 1
+    inside = stride >= 0
+    inside[inside] = touchdown[inside] < reference.end[stride[inside]]
+    stride = stride[inside]
+    since = touchdown[inside] - reference.touchdown[stride]
+    phases: Floats = since / (reference.end[stride] - reference.touchdown[stride])
+    return phases
+
+
+def phases_by_stride(reference: Strides, touchdown: Ints) -> Floats:
+    """Return one phase of a foot for each reference stride, on the circle.
+
+    A foot that moves with the reference foot touches down now just before it, now just after, so
+    that a stride may hold two of its touchdowns or none. So the phases of all touchdowns from
+    half a period before the stride to half a period after it are averaged on the circle.
+
+    Args:
+        reference: n strides.
         touchdown: (m,) ns, of another foot, in order.
 
     Returns:
-        (n,) cycles in [0, 1); NaN where it does not touch down for one and a half strides.
+        (n,) cycles in [0, 1); NaN where the foot did not touch down.
     """
-    row = np.searchsorted(touchdown, reference.touchdown)
-    after = np.append(touchdown, np.iinfo(np.int64).max)[row]
-    cycles: Floats = (after - reference.touchdown) / (reference.end - reference.touchdown)
-    return np.where(cycles < 1.5, cycles % 1.0, np.nan)
+    period = reference.end - reference.touchdown
+    row = np.searchsorted(touchdown, reference.touchdown - period // 2)
+    last = np.searchsorted(touchdown, reference.end + period // 2)
+    total = np.zeros(len(period), np.complex128)
+    while (more := row < last).any():
+        since = touchdown[row[more]] - reference.touchdown[more]
+        total[more] += np.exp(2j * np.pi * since / period[more])
+        row = row + 1
+    phase: Floats = np.where(total == 0.0, np.nan, np.angle(total) / (2.0 * np.pi) % 1.0)
+    return phase
 
 
 def apart(first: Floats, second: Floats) -> Floats:

@@ -20,6 +20,7 @@ from dogbot_logtool.core.gait.classes import (
     TOLERANCE,
     class_distances,
     classify,
+    phases_by_stride,
     phases_in,
 )
 from dogbot_logtool.core.gait.feet import FootSteps
@@ -159,7 +160,7 @@ def _labels(feet: Sequence[FootSteps], walked: Strides) -> tuple[Ints, Ints]:
     if not order or not len(walked.end):
         nameless = np.zeros(len(walked.end), np.int64)
         return nameless, nameless
-    phases = [phases_in(walked, feet[foot].touchdown) for foot in order]
+    phases = [phases_by_stride(walked, feet[foot].touchdown) for foot in order]
     classes = class_distances(np.stack(phases, axis=1), walked.duty_factor)
     distance = np.nan_to_num(np.stack(list(classes.values()), axis=1), nan=np.inf)
     fits = np.where(distance.min(axis=1) <= TOLERANCE, distance.argmin(axis=1), _NONE)
