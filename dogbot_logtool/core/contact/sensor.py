@@ -53,7 +53,7 @@ _CUT_OFF: Final = 0.2
 """Part of a visit at either end that is on the way between the modes, and not used."""
 MIDDLE_SHARE: Final = 1.0 - 2.0 * _CUT_OFF
 _FEWEST_ROWS: Final = 3
-"""Samples at zero in a row, in a swing of a sensor that rests there."""
+"""Samples in a visit; shorter ones are brushes and flicker."""
 _ROUNDS: Final = 5
 _ENTER, _LEAVE = 0.1, 0.35
 """Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
@@ -490,6 +490,9 @@ def _visits(flags: Flags, runs: Ints) -> Ints:
     edges = np.flatnonzero(np.diff(key, prepend=0, append=0))
     flagged = np.flatnonzero(key[edges[:-1]] > 0)
     start, end = edges[flagged], edges[flagged + 1]
+    long = end - start >= _FEWEST_ROWS
+    if long.any():
+        start, end = start[long], end[long]
     cut = ((end - start) * _CUT_OFF).astype(np.int64)
     return np.stack([start + cut, np.maximum(end - cut, start + cut + 1)], axis=1)
 
