@@ -208,7 +208,7 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
     late = forward[forward > bounds[1]]
     if len(late):
         ahead[late[0] :] = True
-    return ahead, distinct(np.concatenate([begins_anew, np.setdiff1d(forward, late)]))
+    return ahead, distinct(np.concatenate([begins_anew, forward[forward <= bounds[1]]]))
 
 
 def _forward_steps(stamp: Ints, log_time: Ints, ahead: Flags, begins_anew: Ints) -> Ints:
