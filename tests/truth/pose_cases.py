@@ -45,7 +45,10 @@ SEEN: Final = POINTS, PLACES, TF
 
 # fmt: off
 def faults() -> Iterator[Case]:
-    """Each fault told by feet in each way in which anything tells of it."""
+    """Poses at fault.
+
+    Each fault told by feet in each way in which anything tells of it.
+    """
     quarter, link = radians(30.0), pose.of_link((0.25, 0.1, 0.05))
     still, turned = "POSE_FROZEN", "POSE_DIRECTION"
     table: tuple[tuple[str, Walk, Disturbance, str, Sequence[str]], ...] = (
@@ -119,7 +122,7 @@ def faults() -> Iterator[Case]:
 
 
 def sound() -> Iterator[Case]:
-    """Nothing is wrong with these, whatever they look like."""
+    """Sound poses."""
     turn = radians(30.0)
     corners = tuple((x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn))
                     for x, y in quadruped().corners_m)
@@ -204,6 +207,7 @@ JUMPED = "path, speed, stride length"
 
 # fmt: off
 def worlds() -> Iterator[Case]:
+    """Worlds."""
     drift = pose.drifting(0.02)
     bound = Walk(gait=gaits.BOUND, period_s=0.86, seconds=11.7, heading_rad=radians(-90.0))
     slope = Walk(slope_rad=radians(20.0), heading_rad=radians(37.0), seconds=12.0)
@@ -238,6 +242,7 @@ def worlds() -> Iterator[Case]:
 
 
 def axes() -> Iterator[Case]:
+    """Other axes."""
     for name, body in (("", False), (" and of its body", True)):
         yield Case(f"motion capture, y up of the world{name}", Walk(heading_rad=radians(90.0)),
                    (pose.y_up(body=body), FORCE), "UP_AXIS")
