@@ -67,7 +67,7 @@ PACKED = (
         (zstandard.compress(b"hello, world, this is"), "neither a ROS 1 bag"),
         (b"#ROSBAG V1.2\n" + bytes(100), "older format"),
         (bytes(1 << 20), "begins with zeros"),
-        (CHECKED[:9], "its zstd data is cut off after 9 bytes"),
+        (CHECKED[:9], r"its zstd data is damaged behind byte 9 \(it is cut off\)"),
         (CHECKED[:-1] + b"?", r"its zstd data is damaged behind byte 0 \(.*checksum"),
         (b"rosbag2_bagfile_information:\n  version: 9\n", "name the directory"),
     ],
@@ -100,8 +100,11 @@ def test_all_frames_of_a_compressed_log_are_read(tmp_path: Path, packed: bytes) 
 @pytest.mark.parametrize(
     ("packed", "says"),
     [
-        (CHECKED[:-1], "its zstd data is cut off after"),
-        (zstandard.compress(MCAP) + zstandard.compress(b"more")[:-2], "its zstd data is cut off"),
+        (CHECKED[:-1], r"behind byte \d+ \(it is cut off\)"),
+        (
+            zstandard.compress(MCAP) + zstandard.compress(b"more")[:-2],
+            r"behind byte \d+ \(it is cut off\)",
+        ),
         (zstandard.compress(MCAP) + b"more", "the 4 bytes behind its zstd data were left out"),
         (zstandard.compress(MCAP) + bytes(5000) + b"more", "bytes behind its zstd data were left"),
         (
