@@ -137,6 +137,14 @@ def test_a_compressed_log_is_read_up_to_a_damaged_piece(tmp_path: Path) -> None:
     assert reading.lost is None
 
 
+def test_a_copy_that_cannot_be_kept_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "absent"))
+    with pytest.raises(LogError, match=r"all of it cannot be kept in .*absent: No such file"):
+        read_bytes(tmp_path, CHECKED)
+
+
 def test_no_file_is_a_wrong_call(tmp_path: Path) -> None:
     with pytest.raises(CallError):
         open_log(tmp_path / "absent.bag")

@@ -123,8 +123,8 @@ def copied(path: Location, pieces: Iterable[tuple[int, bytes]]) -> ByteSource:
     import tempfile  # noqa: PLC0415 - few logs need a copy
 
     try:
-        # A file that is open loses its name here, and its bytes when it is closed; on Windows, which
-        # does not remove open files, it stays.
+        # A file that is open loses its name here, and its bytes when it is closed; Windows does
+        # not remove open files.
         with tempfile.TemporaryDirectory(
             prefix="dogbot-logtool.", ignore_cleanup_errors=True
         ) as folder:
