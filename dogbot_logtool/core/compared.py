@@ -386,8 +386,7 @@ def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, fl
         The odd foot, as in `ForceComparison`.
     """
     total = vertical.sum(axis=1)
-    # Feet that always press together have no factors of their own.
-    if not total.any() or np.linalg.cond(vertical) > 1e3:
+    if not total.any():
         return None
     inverse = np.linalg.pinv(vertical.T @ vertical)
     factors = inverse @ (vertical.T @ wanted)

@@ -281,12 +281,8 @@ def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
 FEWEST_STRIDES: Final = 2
 SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
-FAR_MORE: Final = 5.0
-"""Times such a way that poses must go beside a witness that hardly moves."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
-SWINGS: Final = 0.3
-"""m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
 class Motion(NamedTuple):
@@ -361,10 +357,8 @@ class Comparison(NamedTuple):
 
     @property
     def tells_way(self) -> bool:
-        """Whether the witness goes somewhere, or the poses do by far."""
-        walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
-        turned = float(np.abs(self.reference.turn).sum())
-        return self.reference.walked_m > 0.0 and walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
+        """Whether the witness goes somewhere."""
+        return self.reference.walked_m > SHORTEST_PATH_M
 
     @property
     def scale(self) -> float:

@@ -13,7 +13,6 @@ from dogbot_logtool.core.arrays import (
     distinct,
     median_of,
     norms,
-    percentiles_of,
 )
 from dogbot_logtool.core.contact.contacts import Samples
 
@@ -40,9 +39,6 @@ SAME_FORCE: Final = 0.02
 """Difference of the vertical sums up to which it does not matter which hypothesis is right."""
 NEARER: Final = 0.05
 """By how much one hypothesis must be nearer to the weight, or to the vertical, to be preferred."""
-LIGHT: Final = 0.1
-"""Forces below this share of the usual high load say little about direction."""
-HIGH_LOAD_PERCENT: Final = 95.0
 TINY_N: Final = 1e-6
 """Lighter forces have no direction."""
 FEWEST_SAMPLES: Final = 20
@@ -122,14 +118,11 @@ def frame_fit(samples: Sequence[Samples], turned: Sequence[Flags] | None = None)
         normals.append(part.normal[doubtful])
     foot = np.repeat(np.arange(len(forces)), [len(each) for each in forces])
     force, normal = (np.concatenate(each, dtype=np.float64) for each in (forces, normals))
-    if len(force) < FEWEST_SAMPLES:
-        return None
     magnitude = norms(force)
-    heavy = magnitude >= max(LIGHT * percentiles_of(magnitude, HIGH_LOAD_PERCENT), TINY_N)
-    heavy &= all_finite(normal)
-    if int(heavy.sum()) < FEWEST_SAMPLES:
+    told = (magnitude >= TINY_N) & all_finite(normal)
+    if int(told.sum()) < FEWEST_SAMPLES:
         return None
-    foot, force, normal, magnitude = (each[heavy] for each in (foot, force, normal, magnitude))
+    foot, force, normal, magnitude = (each[told] for each in (foot, force, normal, magnitude))
     along = (force * normal).sum(axis=1)
     # Sources differ in the sign of normals; in one log it is the same throughout.
     along *= np.sign(along.sum()) or 1.0
