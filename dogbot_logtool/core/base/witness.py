@@ -368,21 +368,10 @@ class Comparison(NamedTuple):
     @property
     def direction_rad(self) -> float:
         """From the witness's way to that of the poses, to the left; 0 where it does not tell."""
-        _, coherence, angle = likeness(self.own.displacement, self.reference.displacement)
-        return angle if self.tells_heading and coherence >= COHERENT else 0.0
-
-
-def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
-    """Compare horizontal vectors, x + iy, with what they should be.
-
-    Returns:
-        How many times as long they are, the coherence, and by which angle they are turned, rad.
-    """
-    squares, product = float(np.vdot(reference, reference).real), complex(np.vdot(reference, own))
-    if not squares or not product:
-        return 0.0, 0.0, 0.0
-    both = np.sqrt(squares * float(np.vdot(own, own).real))
-    return abs(product) / squares, abs(product) / both, float(np.angle(product))
+        own, reference = self.own.displacement, self.reference.displacement
+        product = complex(np.vdot(reference, own))
+        coherent = abs(product) >= COHERENT * np.linalg.norm(own) * np.linalg.norm(reference)
+        return float(np.angle(product)) if self.tells_heading and coherent else 0.0
 
 
 def compare(

@@ -108,21 +108,21 @@ def frame_fit(samples: Sequence[Samples], turned: Sequence[Flags] | None = None)
     """
     forces, normals, vertical_n = [np.empty((0, 3))], [np.empty((0, 3))], 0.0
     for row, part in enumerate(samples):
-        loaded = part.in_contact & np.isfinite(norms(part.force))
-        doubtful = loaded & (~part.in_world if turned is None else turned[row])
+        size_n = norms(part.force)
+        loaded = part.in_contact & np.isfinite(size_n)
         summed = loaded if turned is None else loaded & part.in_world
         if summed.any():
             # The mean over contact, by the share of contact in all samples.
             vertical_n += float(part.force[summed, 2].mean()) * float(part.in_contact.mean())
+        doubtful = loaded & (~part.in_world if turned is None else turned[row])
+        doubtful &= (size_n >= TINY_N) & all_finite(part.normal)
         forces.append(part.force[doubtful])
         normals.append(part.normal[doubtful])
     foot = np.repeat(np.arange(len(forces)), [len(each) for each in forces])
     force, normal = (np.concatenate(each, dtype=np.float64) for each in (forces, normals))
-    magnitude = norms(force)
-    told = (magnitude >= TINY_N) & all_finite(normal)
-    if int(told.sum()) < FEWEST_SAMPLES:
+    if len(force) < FEWEST_SAMPLES:
         return None
-    foot, force, normal, magnitude = (each[told] for each in (foot, force, normal, magnitude))
+    magnitude = norms(force)
     along = (force * normal).sum(axis=1)
     # Sources differ in the sign of normals; in one log it is the same throughout.
     along *= np.sign(along.sum()) or 1.0
