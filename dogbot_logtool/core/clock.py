@@ -200,7 +200,6 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
     ends = row > count - FEWEST
     begins_anew = np.flatnonzero((forward | (back & (row >= FEWEST))) & ~ends)
     # A stamp is ahead of most of those after it, up to where the clock is set.
-<<<<<<< HEAD
     for part in np.split(row, begins_anew):
         later = np.pad(stamp[part[1:]], (0, NEIGHBOURS), constant_values=np.iinfo(np.int64).max)
         lower = sliding_window_view(later, NEIGHBOURS) < stamp[part][:, None]
@@ -208,32 +207,6 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
     # Too few stamps far ahead at the end.
     ahead |= np.maximum.accumulate(forward & ends)
     return ahead, begins_anew
-=======
-    epoch = np.searchsorted(begins_anew, np.arange(count), side="right")
-    after, alike = (
-        sliding_window_view(np.append(each[1:], np.full(NEIGHBOURS, limits.min)), NEIGHBOURS)
-        for each in (stamp, epoch)
-    )
-    within = alike == epoch[:, None]
-    ahead = 2 * (within & (after < stamp[:, None])).sum(axis=1) > within.sum(axis=1)
-    forward = _forward_steps(stamp, log_time, ahead, begins_anew)
-    late = forward[forward > bounds[1]]
-    if len(late):
-        ahead[late[0] :] = True
-    return ahead, distinct(np.concatenate([begins_anew, forward[forward <= bounds[1]]]))
-
-
-def _forward_steps(stamp: Ints, log_time: Ints, ahead: Flags, begins_anew: Ints) -> Ints:
-    """Return the rows at which stamps step forward by far more than log time does."""
-    good = np.flatnonzero(~ahead)
-    stamp_step, log_step = np.diff(stamp[good]), np.diff(log_time[good])
-    far = stamp_step - log_step > np.maximum(LARGEST_STEP_S * 1e9, 10.0 * log_step)
-    rows, before = good[1:][far], good[:-1][far]
-    after = np.minimum(rows[:, None] + np.arange(NEIGHBOURS), len(stamp) - 1)
-    stays = stamp[after].min(axis=1) - stamp[before] > LARGEST_STEP_S * 1e9
-    forward: Ints = rows[stays & ~np.isin(rows, begins_anew)]
-    return forward
->>>>>>> int
 
 
 def without_bad_stamps(columns: AnyColumns, check: StampCheck) -> AnyColumns:
