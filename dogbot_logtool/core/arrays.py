@@ -336,21 +336,32 @@ def latched(on: Flags, off: Flags) -> Flags:
     return np.asarray(state & (last >= 0))
 
 
-def quantiles_of_runs(values: Floats, first: Ints, *shares: float) -> Floats:
-    """(k, len(shares)) quantiles of each run's values, interpolated linearly between neighbours.
+def sorted_runs(values: Floats, first: Ints) -> Floats:
+    """Sort the values of each run.
 
     Args:
         values: (n,) any unit.
-        first: (k,) where each run begins; none is empty.
-        shares: 0.5 for the median.
+        first: (k,) where each run begins.
     """
-    ordered, end = values.copy(), np.append(first, len(values))[1:]
-    for begin, behind in zip(first.tolist(), end.tolist(), strict=True):
-        ordered[begin:behind].sort()
-    rank = (end - first - 1)[:, None] * np.array(shares)
-    below = first[:, None] + rank.astype(np.int64)
-    above = np.minimum(below + 1, end[:, None] - 1)
-    between: Floats = ordered[below] + (ordered[above] - ordered[below]) * (rank % 1.0)
+    ordered = values.copy()
+    for begin, end in pairwise([*first.tolist(), len(values)]):
+        ordered[begin:end].sort()
+    return ordered
+
+
+def quantiles(ordered: Floats, begin: Ints, end: Ints, share: float) -> Floats:
+    """Quantile of each run of sorted values, interpolated linearly between neighbours.
+
+    Args:
+        ordered: (n,) any unit, each run in ascending order.
+        begin: (k,) first row of each run.
+        end: (k,) row after its last.
+        share: 0.5 for the median.
+    """
+    rank = share * (end - begin - 1)
+    below = begin + rank.astype(np.int64)
+    above = np.minimum(below + 1, end - 1)
+    between: Floats = ordered[below] + (ordered[above] - ordered[below]) * (rank - (below - begin))
     return between
 
 

@@ -288,6 +288,17 @@ def schmitt(force: Floats, rule: ContactRule) -> Flags:
     return latched(force >= rule.on_n, (force < rule.off_n) | (force == 0.0))
 
 
+def silent_before(time: Ints) -> Flags:
+    """(n,) tell whether nothing is known just before: the first sample, or one after a silence.
+
+    Args:
+        time: (n,) ns, strictly increasing.
+    """
+    silent: Flags = np.diff(time, prepend=time[:1]) > SILENCE_NS
+    silent[:1] = True
+    return silent
+
+
 def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     """Date touchdowns back to where the force rose above the off threshold.
 
@@ -304,8 +315,9 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     """
     begins = np.flatnonzero(contact[1:] & ~contact[:-1]) + 1
     # The row after the last low one, or the last after a silence, up to each touchdown.
-    low, silent = (force < off_n) | (force == 0.0), np.diff(time) > SILENCE_NS
-    edges = np.flatnonzero(np.append(True, low[:-1] | silent)[: len(time)])
+    rises = silent_before(time)
+    rises[1:] |= ((force < off_n) | (force == 0.0))[:-1]
+    edges = np.flatnonzero(rises)
     since = edges[np.searchsorted(edges, begins, side="right") - 1]
     earliest = np.searchsorted(time, time[begins] - round(LONGEST_RISE_S * 1e9))
     dated = contact.copy()
@@ -332,7 +344,8 @@ def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
     stances = (time[ends] - time[starts]) / 1e9
     longest_s = min(BOUNCE * float(percentiles_of(swings, 75.0)), LONGEST_BOUNCE_S)
     in_parts = np.minimum(stances[1:], stances[:-1]) < PART * percentiles_of(stances, 75.0)
-    apart = (swings >= longest_s) | ~in_parts
+    # Of a swing that begins with a silence it is not known that it is short.
+    apart = (swings >= longest_s) | ~in_parts | silent_before(time)[ends[:-1]]
     if (~apart).sum() < FEWEST_BOUNCES:
         return starts, ends
     return starts[np.append(True, apart)], ends[np.append(apart, True)]
@@ -354,18 +367,20 @@ def find_stances(
         the last row where the log ends in the stance; how many swings were filled, how many
         stances dropped.
     """
+    silent, fill_ns = silent_before(time), round(max(debounce_s, brief_s) * 1e9)
     begins, breaks = flagged_runs(contact).T
     runs = len(begins)
-    parts = time[begins[1:]] - time[breaks[:-1]] >= round(max(debounce_s, brief_s) * 1e9)
+    # Of a swing that begins with a silence it is not known that it is short.
+    parts = (time[begins[1:]] - time[breaks[:-1]] >= fill_ns) | silent[breaks[:-1]]
     starts = begins[np.append(True, parts)[:runs]]
     ends = breaks[np.append(parts, True)[:runs]]
     # Where the log ends in a stance, its last sample ends it.
     last = np.minimum(ends, len(time) - 1)
     # Swings that were filled do not count.
     total = np.concatenate([[0], np.cumsum(np.diff(time) * contact[:-1])])
-    brief = total[last] - total[starts] < round(debounce_s * 1e9)
-    # A short one at the log's start or end may be part of a longer one.
-    brief &= (starts > 0) & (ends < len(time))
+    brief = (total[last] - total[starts] < round(debounce_s * 1e9)) & ~silent[starts]
+    # A short one at the log's end may be part of a longer one.
+    brief &= ends < len(time)
     return starts[~brief], last[~brief], runs - len(starts), int(brief.sum())
 
 

@@ -27,9 +27,10 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     norms,
     percentiles_of,
-    quantiles_of_runs,
+    quantiles,
     rows_of_runs,
     runs_of,
+    sorted_runs,
 )
 
 FEWEST_VISITS: Final = 2
@@ -274,8 +275,9 @@ def _is_steady(level: SensorLevel, log_time: Ints, load: Floats) -> bool:
     if (norms(np.diff(level.offset, axis=0)) > limit).any():
         return False
     window_ns = max(round(_STRIDES * _SWINGS_A_STRIDE * (level.swing_s or 0.0) * 1e9), 1)
-    first, _ = runs_of((log_time - log_time[0]) // window_ns)
-    low, high = quantiles_of_runs(without_spikes(load), first, _LOW, _HIGH).T
+    first, count = runs_of((log_time - log_time[0]) // window_ns)
+    ordered = sorted_runs(without_spikes(load), first)
+    low, high = (quantiles(ordered, first, first + count, share) for share in (_LOW, _HIGH))
     strays = np.minimum(np.abs(low), np.abs(high)) > limit
     return not (strays & (high - low > limit + loaded / 2.0)).any()
 
@@ -445,9 +447,11 @@ def _judged(modes: Modes, other_width: float, plain_offset: float) -> Modes:
 
 
 def visit_quantiles(values: Floats, visits: Ints, *shares: float) -> Floats:
-    """(v, len(shares)): quantiles of each visit's values, (n,)."""
+    """(v, len(shares)): quantiles of each visit's values, (n,); the nearest sample."""
     rows, _, first = rows_of_runs(*visits.T)
-    return quantiles_of_runs(values[rows], first, *shares)
+    ordered = sorted_runs(values[rows], first)
+    within = np.round((np.diff(visits) - 1) * np.array(shares)).astype(np.int64)
+    return np.asarray(ordered[first[:, None] + within])
 
 
 def visit_medians(values: Floats, visits: Ints) -> Floats:

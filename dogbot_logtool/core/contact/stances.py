@@ -19,9 +19,10 @@ from dogbot_logtool.core.arrays import (
     all_finite,
     flagged_runs,
     norms,
-    quantiles_of_runs,
+    quantiles,
     rows_of_runs,
     runs_of,
+    sorted_runs,
     trapezoids,
 )
 from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
@@ -302,7 +303,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         np.add.reduceat(force, first) / count,
         np.add.reduceat(vertical, first),
     )
-    median = quantiles_of_runs(force, first, 0.5)[:, 0]
+    median = quantiles(sorted_runs(force, first), first, first + count, 0.5)
     impact = np.maximum.reduceat(np.where(time <= IMPACT_S, force, -np.inf), first)
     spike = _spikes(track.force, rows, stance, first)
     highest = np.flatnonzero(spike)[np.argsort(force[spike], kind="stable")]
@@ -360,8 +361,8 @@ def _friction_use(
     friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / pressing
     known = np.isfinite(friction) & ~np.isnan(track.vertical_force[rows]) & (force >= on_n)
     friction, of = friction[known], stance[known]
-    use, (first, _) = np.full(stance[-1] + 1, np.nan), runs_of(of)
-    use[of[first]] = quantiles_of_runs(friction, first, 0.95)[:, 0]
+    use, (first, count) = np.full(stance[-1] + 1, np.nan), runs_of(of)
+    use[of[first]] = quantiles(sorted_runs(friction, first), first, first + count, 0.95)
     return use
 
 
