@@ -29,7 +29,6 @@ from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition
 
