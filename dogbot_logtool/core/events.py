@@ -143,10 +143,8 @@ def _spans(walk: Walk) -> Iterator[Event]:
     for span, size, turn in zip(walk.jumps.spans.tolist(), sizes, turns, strict=True):
         value, unit = (size, "m") if size > SMALLEST_JUMP_M else (abs(turn), "rad")
         yield _event(walk, EventType.POSE_JUMP, span, None, value, unit, "POSE_JUMP")
-    gaps: list[tuple[int | None, Ints]] = [(None, poses.gaps)]
-    for row, foot in enumerate(walk.feet):
-        gaps.append((row, timespans.subtract(foot.record.gaps, foot.record.stopped)))
-    for who, silent in gaps:
+    heard = [timespans.subtract(each.gaps, each.stopped) for each in walk.records]
+    for who, silent in zip([None, *range(len(heard))], [poses.gaps, *heard], strict=True):
         for start, end in silent.tolist():
             yield _event(walk, EventType.GAP, (start, end), who, (end - start) / 1e9, "s", "GAPS")
 
