@@ -252,7 +252,7 @@ def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:
     stances, figures = walk.feet[row].stances, walk.feet[row].stances.figures
     rolling_m, touchdown_s = walk.settings.foot_rolling_m, walk.seconds(stances.touchdown)
     counts = stances.whole & ~np.isin(touchdown_s, stumbles)
-    travel = np.where(counts, figures.loaded_reach_m, np.nan)
+    travel = np.where(counts, figures.contact_reach_m, np.nan)
     usual = _usual(walk, stances.touchdown, stances.liftoff, travel)
     usual[~(travel - usual > np.maximum(SLIP_M, TIMES * usual))] = np.nan
     is_far = travel > LARGEST_FOOT_M
