@@ -250,7 +250,7 @@ def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:
     stances, figures = walk.feet[row].stances, walk.feet[row].stances.figures
     rolling_m, touchdown_s = walk.settings.foot_rolling_m, walk.seconds(stances.touchdown)
     counts = stances.whole & ~np.isin(touchdown_s, stumbles)
-    travel = np.where(counts, figures.loaded_reach_m, np.nan)
+    travel = np.where(counts, figures.contact_reach_m, np.nan)
     usual = _usual(walk, stances.touchdown, stances.liftoff, travel)
     usual = np.fmin(usual, np.inf if rolling_m is None else rolling_m)
     further = travel - usual
