@@ -11,6 +11,7 @@ about each of 25 instants a second. How the sensor sits on the base, and in whic
 told by gravity.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -43,7 +44,6 @@ from dogbot_logtool.core.vectors import (
     AXES,
     TRACKING_HZ,
     CommandTrack,
-    ForceComparison,
     ImuComparison,
     PlannedFoot,
     Reading,
@@ -94,27 +94,30 @@ def follow_commands(walk: Walk, history: VectorHistory) -> CommandTrack | None:
     motion = motion_in(base, time[:, None] + np.array([-half, half]), forward_rad)
     moved = motion.displacement.real, motion.displacement.imag, motion.turn
     measured = np.stack(moved, axis=1) / (2e-9 * half)
-    axes, velocity = _in_axes(history, held, time, window, measured, forward_rad)
-    command = _command(held, velocity)
+    command = _command(held, history.vector)
+    commanded = command.mean(time, window)
+    turn_rad, axes_known = _axes_turn(history.frames, commanded, measured, forward_rad)
     longest = timespans.hold_window(holds, time, half + max(_DELAYS_NS), half)
     opposed = []
     if longest.sum() / TRACKING_HZ >= _FEWEST_WINDOWS * window / 1e9:
-        late = [command.mean(time[longest] - delay, window) for delay in _DELAYS_NS]
+        late = [
+            _turned(command.mean(time[longest] - delay, window), turn_rad) for delay in _DELAYS_NS
+        ]
         opposed = [
             name
             for axis, name in enumerate(AXES)
-            if (axes or axis == 2)
+            if (axes_known or axis == 2)
             and all(_oppose(measured[longest, axis], each[:, axis]) for each in late)
         ]
     return CommandTrack(
         history=history,
-        axes=axes,
+        axes_known=axes_known,
         window_ns=window,
         timeout_ns=timeout,
         commanded_s=timespans.total(both) / 1e9,
         no_command_s=(timespans.total(known) - timespans.total(both)) / 1e9,
         time=time,
-        commanded=command.mean(time, window),
+        commanded=_turned(commanded, turn_rad),
         measured=measured,
         opposed=tuple(opposed),
     )
@@ -129,31 +132,30 @@ def _command(held: Ints, velocity: Floats) -> Integral:
     return Integral(held.ravel(), total)
 
 
-def _in_axes(
-    history: VectorHistory,
-    held: Ints,
-    time: Ints,
-    window_ns: int,
-    measured: Floats,
-    forward_rad: float,
-) -> tuple[str | None, Floats]:
-    """Tell by the smaller error whose axes the commands are in, where that makes a difference.
+def _axes_turn(
+    frames: Sequence[str], commanded: Floats, measured: Floats, forward_rad: float
+) -> tuple[float, bool]:
+    """Tell by the smaller error in whose axes commands are: the robot's own, or the base's.
 
     Returns:
-        The axes, see `CommandTrack`, and (n, 3) velocities in the robot's own.
+        rad by which commands are turned into the robot's own axes, and whether that is known.
     """
-    if not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in history.frames):
-        return None, history.vector
+    if not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in frames):
+        return 0.0, False
     if forward_rad == 0.0:
-        return "forward", history.vector
-    forward, left = along_heading(history.vector, np.full(len(history.time), forward_rad))
-    turned = np.stack([forward, left, history.vector[:, 2]], axis=1)
-    readings = {"forward": history.vector, "body": turned}
-    means = {key: _command(held, each).mean(time, window_ns) for key, each in readings.items()}
-    squares = {key: ((measured - each)[:, :2] ** 2).sum() for key, each in means.items()}
-    better, worse = sorted(readings, key=squares.__getitem__)
-    clear = squares[better] <= _CLEARLY**2 * squares[worse] or not means[worse][:, :2].any()
-    return better if clear else None, readings[better]
+        return 0.0, True
+    turns = 0.0, forward_rad
+    errors = [measured - _turned(commanded, each) for each in turns]
+    squares = [float((each[:, :2] ** 2).sum()) for each in errors]
+    better = squares.index(min(squares))
+    clear = squares[better] <= _CLEARLY**2 * squares[1 - better] or not commanded[:, :2].any()
+    return turns[better], bool(clear)
+
+
+def _turned(velocity: Floats, by_rad: float) -> Floats:
+    """(n, 3) velocities as in `AXES`, along axes that are turned to the left."""
+    forward, left = along_heading(velocity, np.full(len(velocity), by_rad))
+    return np.stack([forward, left, velocity[:, 2]], axis=1)
 
 
 def _oppose(measured: Floats, commanded: Floats) -> bool:
@@ -285,18 +287,18 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
     turn, tilt_rad = _between(mean, wanted) if size >= NO_GRAVITY * GRAVITY_MPS2 else (_LEVEL, None)
     off = rotate(turn[None], means[:, :3]) - scale * expected
     reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
-    forces = None
+    ratio, odd_foot = None, None
     if reading == "m/s^2":
         world = _integral(at, rotate(attitude, rotate(turn[None], body)))
-        forces = _compare_forces(walk, world, time, half)
+        ratio, odd_foot = _compare_forces(walk, world, time, half)
     metrics = Imu(
         topic=sensed.topic,
         known_s=len(time) / CELL_RATE_HZ,
         accelerometer_mps2=size,
         tilt_rad=None if reading == "unclear" else tilt_rad,
-        forces_over_accelerometer=None if forces is None else forces.ratio,
+        forces_over_accelerometer=ratio,
     )
-    return ImuComparison(metrics, reading, scale, forces)
+    return ImuComparison(metrics, reading, scale, odd_foot)
 
 
 def _reading(size: float, scale: float, off: float) -> Reading:
@@ -346,8 +348,10 @@ def _between(first: Floats, second: Floats) -> tuple[Floats, float]:
 
 def _compare_forces(
     walk: Walk, world: Integral, time: Ints, half_ns: int
-) -> ForceComparison | None:
-    """Return what the forces say; None where they are not known for long enough.
+) -> tuple[float | None, tuple[int, float] | None]:
+    """Return forces over what the accelerometer says, and the odd foot, as in `ImuComparison`.
+
+    None of both where forces are not known for long enough.
 
     Args:
         walk: its feet, which carry the robot in whole strides only.
@@ -358,20 +362,20 @@ def _compare_forces(
     feet, mass_kg = walk.records, walk.settings.mass_kg
     apart = walk.feet_clocks_are_apart or walk.base_is_apart or walk.settings.lacks_feet
     if mass_kg is None or apart or not walk.vertical_known:
-        return None
+        return None, None
     known = timespans.intersect(
         [timespans.merge(walk.strides), *(foot.vertical_known for foot in feet)]
     )
     rows = timespans.hold_window(known, time, half_ns, half_ns)
     time = time[rows]
     if len(time) < FEWEST:
-        return None
+        return None, None
     expected = mass_kg * float(world.mean(time, 2 * half_ns)[:, 2].mean())
     cells, half_cell = time + _CELL_NS // 2, _CELL_NS // 2
     wanted = mass_kg * world.mean(cells, 2 * half_cell)[:, 2]
     by_cell = mean_impulses(feet, "vertical_impulse", cells, half_cell)
     vertical = float(mean_impulses(feet, "vertical_impulse", time, half_ns).sum(axis=1).mean())
-    return ForceComparison(vertical / expected, odd_scale(by_cell, wanted, mass_kg))
+    return vertical / expected, odd_scale(by_cell, wanted, mass_kg)
 
 
 def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, float] | None:
@@ -383,11 +387,10 @@ def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, fl
         mass_kg: of the robot.
 
     Returns:
-        The odd foot, as in `ForceComparison`.
+        The odd foot, as in `ImuComparison`.
     """
     total = vertical.sum(axis=1)
-    # Feet that always press together have no factors of their own.
-    if not total.any() or np.linalg.cond(vertical) > 1e3:
+    if not total.any():
         return None
     inverse = np.linalg.pinv(vertical.T @ vertical)
     factors = inverse @ (vertical.T @ wanted)

@@ -257,8 +257,8 @@ def _rank(name: str, part: Part) -> int:
 # --- what is offered, and what is said -----------------------------------------------------------
 
 
-_ALTERNATIVES: Final = 3
-"""Sets of topics that are offered beside the most likely one."""
+_MOST_OFFERED: Final = 3
+"""Sets of topics or fields that are offered."""
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
 
@@ -276,23 +276,20 @@ def offer_finding(log: Log, sets: Sequence[FootSet], call: str) -> Finding:
         sets: at least one, the most likely first; all of topics, or all of fields.
         call: a call of `stats` without the feet.
     """
-    first, *others = sets
-    call = f"{call} {foot_options(first.feet)}"
-    if not first.type_name:
-        options = " or ".join(foot_options(one.feet) for one in others[:_ALTERNATIVES])
-        which = first.fields + (f"; or {options}" if others else "")
-        return replace(found("FEET_UNSURE", say="topics", which=which, call=call), command=call)
-    told = "; or ".join(f"{o.fields} ({'; '.join(o.reasons)})" for o in sets[:3])
-    if any(foot.leg_position is None for foot in first.feet):
+    feet, reasons = sets[0].feet, sets[0].reasons
+    told = "; or ".join(one.told for one in sets[:_MOST_OFFERED])
+    if any(foot.leg_position is None for foot in feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
-        told += f"{first.feet[0].name} and the others, and gaits have names"
-    file = f"{PurePath(log.words[0]).stem}.toml"
-    draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, "-o", file])
+        told += f"{feet[0].name} and the others, and gaits have names"
+    say, command = "plain", f"{call} {foot_options(feet)}"
     # What fields are, and of which foot, can only be said in a robot's file.
-    needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)
-    say, command = ("draft", draft) if needs_file else ("fields", call)
-    values = {"type": first.type_name, "told": told, "draft": draft, "call": command}
-    return replace(found("FEET_UNSURE", "possible", say=say, **values), command=command)
+    if reasons and any((foot.field and foot.field.kind) or foot.sensor_of for foot in feet):
+        file = f"{PurePath(log.words[0]).stem}.toml"
+        words = ["dogbot-logtool", "robots", "new", *log.words, "-o", file]
+        say, command = "draft", shell_joined(words)
+    cases = ("possible",) if reasons else ()
+    finding = found("FEET_UNSURE", *cases, say=say, told=told, call=command)
+    return replace(finding, command=command)
 
 
 def call_of(log: Log, options: RobotOptions) -> str:

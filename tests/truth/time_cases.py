@@ -17,6 +17,7 @@ LOST = r"lost|GAPS|SILEN"
 
 # fmt: off
 def clocks() -> Iterator[Case]:
+    """Clocks and stamps."""
     for seconds in (0.1, 0.2, 0.3, -0.2):
         yield Case(f"clock of the feet {seconds:+g} s off", TROT, (time.late_clock(seconds),),
                    CLOCK, known="stride length", shifted=True)
@@ -50,10 +51,12 @@ def clocks() -> Iterator[Case]:
                "stamp|clock|back")
     yield Case("three messages twice", TROT, (on(time.sent_twice(500, 3), "front_right"),),
                "BAD_STAMPS", "")
-    yield Case("simulation reset", TROT, (time.reset(4.0),), "CLOCK_SET", skip="speed, path")
+    for name, seconds in (("simulation reset", -4.0), ("clock set forward by a year", 3.2e7)):
+        yield Case(name, TROT, (time.clock_set(4.0, seconds),), "CLOCK_SET", skip="speed, path")
 
 
 def losses() -> Iterator[Case]:
+    """Lost messages and silence."""
     swing = time.silent_in_swing
     slow = Walk(gait=gaits.symmetrical(0.8, 0.25), period_s=1.0)
     for percent in (2, 5, 10, 15):

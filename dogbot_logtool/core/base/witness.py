@@ -29,7 +29,6 @@ from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition
 
@@ -137,19 +136,10 @@ def by_points(
 
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return when and where a foot rests: once a stance, twice in a stance that is long."""
-    place, stances = footfalls(contact_path(foot), foot.stances).position, foot.stances
-    begin, end, known = stances.touchdown, stances.liftoff, all_finite(place)
-    if known.any():
-        # A stance that the log's start or end cuts is taken to be as long as others.
-        usual = int(median_of((end - begin)[stances.whole if stances.whole.any() else known]))
-        begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
-        end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
-        half = np.where(end - begin > 2 * usual, usual, end - begin) // 2
-        begin, end = begin + half, end - half
-    time, place = np.stack([begin, end], axis=1)[known].ravel(), np.repeat(place[known], 2, axis=0)
-    kept = np.diff(time, prepend=-2) > 1
-    return time[kept], place[kept]
+    """Return when and where a foot rests: in the middle of each whole stance."""
+    stood = footfalls(contact_path(foot), foot.stances)
+    known = all_finite(stood.position) & foot.stances.whole
+    return stood.time[known], stood.position[known]
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:
@@ -281,12 +271,8 @@ def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
 FEWEST_STRIDES: Final = 2
 SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
-FAR_MORE: Final = 5.0
-"""Times such a way that poses must go beside a witness that hardly moves."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
-SWINGS: Final = 0.3
-"""m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
 class Motion(NamedTuple):
@@ -361,10 +347,8 @@ class Comparison(NamedTuple):
 
     @property
     def tells_way(self) -> bool:
-        """Whether the witness goes somewhere, or the poses do by far."""
-        walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
-        turned = float(np.abs(self.reference.turn).sum())
-        return self.reference.walked_m > 0.0 and walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
+        """Whether the witness goes somewhere."""
+        return self.reference.walked_m > SHORTEST_PATH_M
 
     @property
     def scale(self) -> float:
@@ -374,21 +358,10 @@ class Comparison(NamedTuple):
     @property
     def direction_rad(self) -> float:
         """From the witness's way to that of the poses, to the left; 0 where it does not tell."""
-        _, coherence, angle = likeness(self.own.displacement, self.reference.displacement)
-        return angle if self.tells_heading and coherence >= COHERENT else 0.0
-
-
-def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
-    """Compare horizontal vectors, x + iy, with what they should be.
-
-    Returns:
-        How many times as long they are, the coherence, and by which angle they are turned, rad.
-    """
-    squares, product = float(np.vdot(reference, reference).real), complex(np.vdot(reference, own))
-    if not squares or not product:
-        return 0.0, 0.0, 0.0
-    both = np.sqrt(squares * float(np.vdot(own, own).real))
-    return abs(product) / squares, abs(product) / both, float(np.angle(product))
+        own, reference = self.own.displacement, self.reference.displacement
+        product = complex(np.vdot(reference, own))
+        coherent = abs(product) >= COHERENT * np.linalg.norm(own) * np.linalg.norm(reference)
+        return float(np.angle(product)) if self.tells_heading and coherent else 0.0
 
 
 def compare(

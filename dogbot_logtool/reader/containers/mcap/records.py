@@ -28,7 +28,7 @@ from dogbot_logtool.reader.decode.columns import gather
 FOOTER_SIZE: Final = RECORD_HEAD.size + 20
 _DATA_END_SIZE: Final = RECORD_HEAD.size + 4
 _PIECE: Final = 1 << 20
-DAMAGED_SUMMARY: Final = "the summary is damaged; the log was read without it"
+DAMAGED_SUMMARY: Final = "the summary is damaged or wrong; the log was read without it"
 CHUNK_HEAD: Final = struct.Struct("<QQQII")
 """Start time, end time, decompressed size, CRC, and length of the compression's name."""
 _LONGEST_NAME: Final = 16
@@ -54,20 +54,10 @@ _HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
 _MAY_STAND_IN_CHUNK: Final = np.arange(256) > LARGEST_OPCODE
 """(256,) by opcode; of those that are known, only three."""
 _MAY_STAND_IN_CHUNK[[Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE]] = True
-_DECODED: Final = {
-    Opcode.HEADER: records.Header,
-    Opcode.FOOTER: records.Footer,
-    Opcode.SCHEMA: records.Schema,
-    Opcode.CHANNEL: records.Channel,
-    Opcode.STATISTICS: records.Statistics,
-    Opcode.CHUNK_INDEX: records.ChunkIndex,
-    Opcode.METADATA: records.Metadata,
-    Opcode.ATTACHMENT_INDEX: records.AttachmentIndex,
-    Opcode.METADATA_INDEX: records.MetadataIndex,
-    Opcode.SUMMARY_OFFSET: records.SummaryOffset,
-    Opcode.DATA_END: records.DataEnd,
+_KINDS: Final[dict[int, type[records.McapRecord]]] = {
+    opcode: getattr(records, opcode.name.title().replace("_", "")) for opcode in Opcode
 }
-_KNOWN: Final = {*_DECODED, Opcode.MESSAGE, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}
+"""The mcap library's record of each opcode, such as `ChunkIndex` of CHUNK_INDEX."""
 
 
 class _Stream(ReadDataStream):
@@ -217,7 +207,7 @@ class McapFormat:
         if opcode == Opcode.CHUNK:
             return is_chunk(head)
         following = offset + RECORD_HEAD.size + length
-        is_known = opcode in _KNOWN
+        is_known = opcode in _KINDS
         may_be_later = opcode > LARGEST_OPCODE and following < end
         if following > end or not (is_known or may_be_later):
             # A following record that the end cuts off says nothing against those before it.
@@ -254,7 +244,7 @@ class McapFormat:
         if opcode in {Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}:
             padding = length - _content_size(read, start, opcode)
             return 0 <= padding <= LARGEST_PADDING or None
-        kind = _DECODED.get(Opcode(opcode)) if opcode in _DECODED else None
+        kind = _KINDS.get(opcode)
         if kind is None or length > WHOLE_SMALL_RECORD:
             return None
         return decode_record(kind, read(start, length))
@@ -331,7 +321,7 @@ def read_footer(source: ByteSource) -> records.Footer:
     opcode, length = RECORD_HEAD.unpack_from(tail)
     footer = decode_record(records.Footer, tail[RECORD_HEAD.size : FOOTER_SIZE])
     if opcode != Opcode.FOOTER or length != FOOTER_SIZE - RECORD_HEAD.size or footer is None:
-        raise UnusableIndex(Loss(offset, "the footer is damaged"))
+        raise UnusableIndex(Loss(offset, DAMAGED_SUMMARY))
     start = footer.summary_start
     crc = _checksum(source, start or offset, offset + FOOTER_SIZE - 4) if footer.summary_crc else 0
     if crc != footer.summary_crc:
