@@ -191,9 +191,9 @@ def feet_in(source: Source, messages: DecodedMessages) -> Sequence[str]:
         told = all(np.isfinite(each).all(axis=(1, 2)).any() for each in forces)
         return row.legs if told or not row.maybe_without_legs else ()
     _, texts = source.paths["label"][0].texts(table)
-    if row.only is not None:
+    if row.only:
         kind = source.paths["only"][0].all_values(table)[:, 0]
-        texts = texts.pick(np.flatnonzero(kind == row.only[1]))
+        texts = texts.pick(np.flatnonzero(kind == 0))
     return [label for label in sorted(texts.encode()[1])[:MOST_ELEMENTS] if label]
 
 
