@@ -87,8 +87,6 @@ class RecordLog(Log):
         """By offset of the chunk: its `start_time`, `end_time` and `counts` by the log's index."""
         self._outside: list[tuple[int, int]] = []
         """Offset and end of descriptions outside of chunks."""
-        self._cut_off: int | None = None
-        """Offset of the chunk that the end of the file cuts off."""
         self._only_batch: Batch | None = None
 
     @abstractmethod
@@ -221,7 +219,6 @@ class RecordLog(Log):
             if chunk.end > size and not is_plain:
                 # It is cut off, or its length is damaged.
                 end = next_sound(self._format, self.source.read, chunk.data_offset, size)
-            self._cut_off = chunk.offset if chunk.end > size == end else None
         known = chunk._replace(end=end, index_end=end)
         known = known._replace(data_size=min(chunk.data_size, end - chunk.data_offset))
         if not chunk.is_compressed and end < size:
@@ -290,9 +287,7 @@ class RecordLog(Log):
                     raise ChunkDamage("it is a part of a damaged one")
                 self.chunks.append(self._read_chunk(known))
             except ChunkDamage as damage:
-                is_cut = chunk.offset == self._cut_off
-                what = "it is cut off by the end of the file" if is_cut else str(damage)
-                self._losses.append(left_out(known, ChunkDamage(what, damage.messages)))
+                self._losses.append(left_out(known, damage))
 
     def _read_chunk(self, chunk: Chunk) -> Chunk:
         content = self._content(chunk)
