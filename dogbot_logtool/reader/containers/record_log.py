@@ -5,7 +5,7 @@ with an index or without. Chunks that a true index names are stepped over; all o
 """
 
 from abc import abstractmethod
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
@@ -406,18 +406,18 @@ class RecordLog(Log):
     # Where and when.
 
     def located(self, loss: Loss) -> Loss:
-        """See `Log.located`. The times are those of its chunk, or of the chunks around it."""
+        """See `Log.located`. The times are by the index, or those of the chunks around."""
         if not loss.offset:
             return loss
-        first, behind = (
-            bisect_left(self.chunks, byte, key=lambda chunk: chunk.offset)
-            for byte in (loss.offset, loss.offset + max(loss.bytes, 1))
-        )
-        if behind > first and self.chunks[first].offset == loss.offset:
-            chunk = self.chunks[first]
-            return loss._replace(start_time=chunk.start_time, end_time=chunk.end_time)
-        before = self.chunks[first - 1].end_time if first else None
-        after = self.chunks[behind].start_time if behind < len(self.chunks) else None
+        chunks, end = self.chunks, loss.offset + max(loss.bytes, 1)
+        first = bisect_right(chunks, loss.offset, key=lambda chunk: chunk.index_end)
+        behind = bisect_left(chunks, end, key=lambda chunk: chunk.offset)
+        if first < behind:
+            own, behind = chunks[first], first + 1
+            if not own.is_scanned:
+                return loss._replace(start_time=own.start_time, end_time=own.end_time)
+        before = chunks[first - 1].end_time if first else None
+        after = chunks[behind].start_time if behind < len(chunks) else None
         if before is not None and after is not None:
             before, after = sorted((before, after))
         return loss._replace(start_time=before, end_time=after)
