@@ -416,6 +416,8 @@ class RecordLog(Log):
             own, behind = chunks[first], first + 1
             if not own.is_scanned:
                 return loss._replace(start_time=own.start_time, end_time=own.end_time)
+            # What is missing at the end of a chunk comes after all that was read of it.
+            first = behind if own.offset < loss.offset and end >= own.end else first
         before = chunks[first - 1].end_time if first else None
         after = chunks[behind].start_time if behind < len(chunks) else None
         if before is not None and after is not None:
