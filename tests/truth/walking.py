@@ -266,6 +266,8 @@ class Walk:
 
     def _foot_truth(self, foot: int) -> FootTruth:
         duty, phases = self.gait.duty, self.gait.phases
+        size = np.linalg.norm(self.force(foot, self._stride), axis=1)
+        whole = self.force(foot, np.linspace(0.0, self.seconds, _MOMENTS))[:, 2]
         return FootTruth(
             touchdown_s=tuple(self.touchdowns(foot).tolist()),
             lift_off_s=tuple(self.lift_offs(foot).tolist()),
@@ -275,6 +277,9 @@ class Walk:
             duty_factor=duty,
             stride_period_s=self.period_s,
             stride_length_m=self._stride_length_m(foot),
+            peak_force_n=float(size.max()),
+            mean_force_n=float(size.mean()) / duty,
+            vertical_impulse_ns=float(whole.mean()) * self.seconds,
             peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
             mean_vertical_force_n=self.mean_vertical_n(foot),
             braking_impulse_ns=self._level
