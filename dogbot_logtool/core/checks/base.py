@@ -247,8 +247,6 @@ def rest_in_the_air(walk: Walk) -> bool:
 
     Feet of poses that look backwards do so, too, but are down for more than half of the time.
     """
-    if len(walk.frozen):
-        return False
     resting = 0
     for foot, path in zip(walk.feet, walk.corrected.places, strict=True):
         stood, down = foot.stood, foot.record.contact_fraction() or 0.0
