@@ -196,26 +196,6 @@ def by_legs(
     )
 
 
-def feet_witness(
-    feet: Sequence[FootHistory],
-    places: Sequence[FootPath | None],
-    positions: Sequence[LegPosition | None],
-    base: BaseHistory,
-) -> Witness | None:
-    """Return the base's motion by the feet; None where their places are not known.
-
-    Args:
-        feet: histories of all feet.
-        places: of each foot in the base's axes, where its messages tell that; None: they do not,
-            and its contact points, if any, are the world's.
-        positions: of each foot on the body.
-        base: recorded poses.
-    """
-    if any(path is not None for path in places):
-        return by_legs(places, feet, base)
-    return by_points(feet, positions)
-
-
 SHORTEST_STRIDES: Final = 1.5
 """Strides that one pose must last for."""
 FEWEST_TOUCHDOWNS: Final = 2
