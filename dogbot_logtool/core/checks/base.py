@@ -75,15 +75,12 @@ def poses(walk: Walk) -> Iterator[Finding]:
     record = walk.base_history
     if walk.base is None and (walk.corrected.leaning_rad is not None or len(walk.frozen)):
         return
-    if record.messages and record.not_usable == record.messages:
-        yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
-    elif walk.base is None:
+    if record.not_usable:
+        yield found("NOT_FINITE", "base", where="base", say="poses", record=record)
+    if record.not_advancing:
+        yield found("BAD_STAMPS", where="base", say="poses", record=record)
+    if walk.base is None and not (record.messages and record.not_usable == record.messages):
         yield found("NO_BASE", "few_poses", where="base")
-    else:
-        if record.not_usable:
-            yield found("NOT_FINITE", "base", where="base", say="poses", record=record)
-        if record.not_advancing:
-            yield found("BAD_STAMPS", where="base", say="poses", record=record)
 
 
 def by_feet(walk: Walk) -> Iterator[Finding]:
