@@ -43,7 +43,7 @@ def find_legs(
     by_frames = not by_joints and any(chains)
     foot_of_joint = _feet_of_joints(feet, [] if by_frames else moved, measured)
     # Joint states that name no joint of a leg leave none out.
-    has_legs = any(name in measured for names in moved for name in names)
+    has_legs = any(map(measured.intersection, moved))
     return LegSettings(
         chains=tuple(chains),
         reasons=tuple(
