@@ -46,10 +46,6 @@ def find_legs(
     has_legs = any(map(measured.intersection, moved))
     return LegSettings(
         chains=tuple(chains),
-        reasons=tuple(
-            "" if chain else _why_not(selection, probe, foot, lacking[foot])
-            for foot, chain in enumerate(chains)
-        ),
         joints=() if by_frames else tuple(joints.values()),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
@@ -62,16 +58,6 @@ def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:
     """Return the recorded joints that move a foot, each once."""
     held = [joints[frame] for frame in (chain.frames if chain else ())]
     return list(dict.fromkeys(joint.measured for joint in held if joint.kind != "fixed"))
-
-
-def _why_not(selection: Selection, probe: KnownFrames, foot: int, lacking: Sequence[str]) -> str:
-    """Say why a foot has no chain."""
-    if lacking:
-        return f"joint states do not tell of {', '.join(lacking)}"
-    link = selection.robot.feet[foot].frame or probe.links[foot]
-    if link is None:
-        return "no frame is known to be its own"
-    return f"nothing connects its frame {link} with {probe.base}"
 
 
 def _feet_of_joints(
