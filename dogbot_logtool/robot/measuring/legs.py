@@ -13,7 +13,16 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.names import leg_of, name_feet
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.urdf import RobotOfUrdf
-from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
+from dogbot_logtool.robot.words import (
+    ENDS,
+    LETTERS,
+    SIDES,
+    SOLES,
+    Part,
+    parts_of,
+    texts_of,
+    words_of,
+)
 
 
 def find_legs(
@@ -80,7 +89,7 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> dict[str, tuple[
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
         end, side = feet[foot].leg_position or leg_of(feet[foot].name)
-        words = [w.text for w in words_of(joint) if not (w.is_position or w.text in ENDS)]
+        words = [w.text for w in words_of(joint) if w.text not in {*ENDS, *SIDES, *LETTERS}]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
     return {
