@@ -105,17 +105,10 @@ _WHOLE: Final = {
     for limb in ("foot", "hand", "arm")
 }
 """Words of hrpsys's humanoids, which mean something else than their pieces."""
-_SLOTS: Final[Mapping[str, str]] = {
-    **_by_word(
-        {
-            "place": "ball heel in inner inside lateral medial out outer outside toe",
-            "side": "left right",
-            "l or r": "l r",
-        }
-    ),
-    **dict.fromkeys(ENDS, "end"),
-    **dict.fromkeys((*LETTERS, *ROWS), "letters"),
-}
+_SLOTS: Final = frozenset({*ENDS, *SIDES, *LETTERS, *ROWS}) | word_set(
+    "ball heel in inner inside lateral medial out outer outside toe"
+)
+"""Words of a leg, or of a place on a foot."""
 _LONGEST: Final = 300
 """Characters of names that are looked at; nothing that a person named is longer."""
 _LONGEST_WORD: Final = 40
@@ -143,14 +136,9 @@ class Word(NamedTuple):
         return self.part in {Part.FOOT, Part.LEG}
 
     @property
-    def is_position(self) -> bool:
-        """Whether it tells at least which side a leg is on."""
-        return self.text in LETTERS or self.text in SIDES
-
-    @property
     def slot(self) -> str:
         """What kind of a word of a leg, or of a place on a foot, it may be; empty: none."""
-        return "number" if self.text.isdecimal() else _SLOTS.get(self.text, "")
+        return "number" if self.text.isdecimal() else "leg" if self.text in _SLOTS else ""
 
 
 @lru_cache(maxsize=4096)
