@@ -52,13 +52,9 @@ def find_legs(
     by_frames = not by_joints and any(chains)
     foot_of_joint = _feet_of_joints(feet, [] if by_frames else moved, measured)
     # Joint states that name no joint of a leg leave none out.
-    has_legs = any(name in measured for names in moved for name in names)
+    has_legs = any(map(measured.intersection, moved))
     return LegSettings(
         chains=tuple(chains),
-        reasons=tuple(
-            "" if chain else _why_not(selection, probe, foot, lacking[foot])
-            for foot, chain in enumerate(chains)
-        ),
         joints=() if by_frames else tuple(joints.values()),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
@@ -71,16 +67,6 @@ def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:
     """Return the recorded joints that move a foot, each once."""
     held = [joints[frame] for frame in (chain.frames if chain else ())]
     return list(dict.fromkeys(joint.measured for joint in held if joint.kind != "fixed"))
-
-
-def _why_not(selection: Selection, probe: KnownFrames, foot: int, lacking: Sequence[str]) -> str:
-    """Say why a foot has no chain."""
-    if lacking:
-        return f"joint states do not tell of {', '.join(lacking)}"
-    link = selection.robot.feet[foot].frame or probe.links[foot]
-    if link is None:
-        return "no frame is known to be its own"
-    return f"nothing connects its frame {link} with {probe.base}"
 
 
 def _feet_of_joints(
