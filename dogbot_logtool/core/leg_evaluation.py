@@ -40,6 +40,7 @@ RESTING_M: Final = 0.02
 RESTING_SHARE: Final = 0.15
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are left out."""
+UNTOLD: Final = "neither transforms nor joint states tell where the foot is"
 UNPLACED: Final = "where the base is among the feet is not known"
 SHORTEST_PATH_M: Final = 0.1
 """m: work is not set against a shorter way."""
@@ -61,10 +62,8 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     apart = too_far_apart(clocks, walk.period_s) & {table.topic for table in walk.recording.joints}
     unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
     unplaced |= bool(apart and settings.joints)
-    legs = [
-        _leg(walk, settings, row, path, UNPLACED if unplaced else "")
-        for row, path in enumerate(paths)
-    ]
+    why = UNPLACED if unplaced else ""
+    legs = [_leg(walk, row, path, why) for row, path in enumerate(paths)]
     feet = tuple(_with_leg(walk, settings, row, legs, joints.values()) for row in range(len(legs)))
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
@@ -93,23 +92,17 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     return replace(walk, legs=figures, feet=feet, witness=witness)
 
 
-def _leg(
-    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, unplaced: str
-) -> LegFoot:
+def _leg(walk: Walk, row: int, path: FootPath | None, unplaced: str) -> LegFoot:
     """Return the leg of a foot, and where that stands, and its swings, if its frame rests then.
 
     Args:
         walk: all other figures.
-        settings: sources of the legs.
         row: of the foot.
         path: of the foot in the base's frame; None: not known.
         unplaced: why paths cannot be placed in the world; empty: they can.
     """
-    foot, chain = walk.feet[row], settings.chains[row]
-    too_little = "" if path else "too little of its leg is told"
-    reason = settings.reasons[row] or too_little or unplaced
-    frame = chain.frames[0] if chain and path else ""
-    leg = LegFoot(foot.name, frame, reason, path, {})
+    foot, reason = walk.feet[row], unplaced if path else UNTOLD
+    leg = LegFoot(foot.name, reason, path, {})
     if path is None or reason:
         return leg
     world = path.in_world(walk.poses)
@@ -256,6 +249,8 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
 
 APPROACH_S: Final = 0.03
 """s before a touchdown that its velocity is taken from."""
+FEWEST_ROWS: Final = 4
+"""Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
@@ -319,18 +314,19 @@ def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
 def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:
     """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
 
-    It is the slope there of the parabola through three places, `APPROACH_S` from the first to the
-    last. NaN where path or contacts are told too rarely, or the swing is shorter.
+    It is the slope there of the parabola that fits the path's last rows, `APPROACH_S` of them but
+    at least four. NaN where path or contacts are told too rarely, or the swing is shorter.
     """
     if is_slow(path, contact_interval_s):
         return np.full((len(strides.end), 3), np.nan)
+    interval = float(median_of(np.diff(path.time)))
+    rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
     aloft = strides.end - round(contact_interval_s * 1e9)
     last = path.time[np.searchsorted(path.time, aloft, side="right") - 1]
-    step = round(APPROACH_S / 2.0 * 1e9)
-    before, middle, end = (path.at(last - back * step) for back in (2, 1, 0))
-    ahead = ((aloft - last) / step)[:, None] + 0.5
-    slope = 2.0 * (ahead + 1.0) * end - 4.0 * (ahead + 0.5) * middle + 2.0 * ahead * before
-    velocity: Floats = slope / (2.0 * step / 1e9)
-    known = path.unbroken(last - 2 * step, aloft) & (last - 2 * step >= strides.liftoff)
+    time = last[:, None] - np.rint(interval * np.arange(rows)).astype(np.int64)
+    since_s = (time - aloft[:, None]) / 1e9
+    slope = np.linalg.pinv(np.stack([since_s**0, since_s, since_s**2], axis=-1))[:, 1]
+    velocity: Floats = np.einsum("nt,ntc->nc", slope, path.at(time))
+    known = path.unbroken(time[:, -1], aloft) & (time[:, -1] >= strides.liftoff)
     velocity[~known] = np.nan
     return velocity

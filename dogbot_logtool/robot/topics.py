@@ -66,38 +66,26 @@ class Topic(NamedTuple):
         return _is_planned(self.source, self.name)
 
 
-def message_count(log: Log, topic: str) -> int:
-    """Return how many messages of a topic the index counts."""
-    return sum(log.counts.get(channel.id, 0) for channel in log.channels_by_topic.get(topic, ()))
-
-
-def readable_source(channel: Channel, part: Part) -> Source | None:
-    """Return how a part of a channel's messages is read; None: it is not told, or faulty."""
-    source = source_of(channel, part)
-    return None if source is None or source.fault else source
-
-
 def topics_of(log: Log, part: Part) -> list[Topic]:
     """Return the topics that tell of a part and can be decoded, the best first.
 
     These are of the better type, then those with the most messages, then with a shorter name.
     """
-    order = types_of(part)
-    found: dict[tuple[int, str], list[tuple[Channel, Source]]] = {}
+    order, own = types_of(part), dict[tuple[str, str], Topic]()
     for channel in log.channels.values():
-        if source := readable_source(channel, part):
-            key = order.index(source.row.name), channel.topic
-            found.setdefault(key, []).append((channel, source))
-    topics = [
-        Topic(name, told[0][1], tuple(c for c, like in told if like.columns == told[0][1].columns))
-        for (_, name), told in found.items()
-    ]
+        source = source_of(channel, part)
+        if source is None or source.fault:
+            continue
+        key = source.row.name, channel.topic
+        topic = own.setdefault(key, Topic(channel.topic, source, ()))
+        if source.columns == topic.source.columns:
+            own[key] = topic._replace(channels=(*topic.channels, channel))
 
     def rank(topic: Topic) -> tuple[int, int, int, str]:
-        better = order.index(topic.source.row.name), -message_count(log, topic.name)
-        return *better, len(topic.name), topic.name
+        count = sum(log.counts.get(channel.id, 0) for channel in topic.channels)
+        return order.index(topic.source.row.name), -count, len(topic.name), topic.name
 
-    return sorted(topics, key=rank)
+    return sorted(own.values(), key=rank)
 
 
 def names_of(log: Log, part: Part) -> list[str]:

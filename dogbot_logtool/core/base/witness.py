@@ -29,7 +29,6 @@ from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition
 
@@ -60,7 +59,7 @@ class Witness(NamedTuple):
     tells_heading: bool
     """Whether the heading is the robot's own, and not only its changes are known."""
     tells_turn: bool
-    """Whether the heading turns as the feet do; else it is that of the recorded poses."""
+    """Whether the heading turns as the feet do."""
     rests: bool = False
     """Whether no foot's place moves in the body: it stands, or these are no feet's places."""
 
@@ -92,16 +91,13 @@ class Witness(NamedTuple):
 
 
 def by_points(
-    feet: Sequence[FootHistory],
-    positions: Sequence[LegPosition | None],
-    base: BaseHistory,
+    feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
 ) -> Witness | None:
     """Return the base's motion by contact points in the world.
 
     Args:
         feet: histories of feet whose contact points the recorded poses did not place.
         positions: of each foot on the body.
-        base: recorded poses, whose heading stands in where one foot only is known.
 
     Returns:
         None where no foot's points are known over three footfalls.
@@ -130,26 +126,15 @@ def by_points(
         unturned = flat * np.exp(-1j * angles[:, 2])[:, None]
         heading = _heading(unturned.mean(axis=0), [positions[row] for row in used])
         angles[:, 2] += heading or 0.0
-    elif len(base.time):
-        angles[:, 2] = interpolated(time, base.time, base.angles[:, 2:])[:, 0]
     poses = BaseHistory(time, centre, angles)
     return Witness(poses, POINTS, heading is not None, turns)
 
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return when and where a foot rests: once a stance, twice in a stance that is long."""
-    place, stances = footfalls(contact_path(foot), foot.stances).position, foot.stances
-    begin, end, known = stances.touchdown, stances.liftoff, all_finite(place)
-    if known.any():
-        # A stance that the log's start or end cuts is taken to be as long as others.
-        usual = int(median_of((end - begin)[stances.whole if stances.whole.any() else known]))
-        begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
-        end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
-        half = np.where(end - begin > 2 * usual, usual, end - begin) // 2
-        begin, end = begin + half, end - half
-    time, place = np.stack([begin, end], axis=1)[known].ravel(), np.repeat(place[known], 2, axis=0)
-    kept = np.diff(time, prepend=-2) > 1
-    return time[kept], place[kept]
+    """Return when and where a foot rests: in the middle of each whole stance."""
+    stood = footfalls(contact_path(foot), foot.stances)
+    known = all_finite(stood.position) & foot.stances.whole
+    return stood.time[known], stood.position[known]
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:
@@ -209,26 +194,6 @@ def by_legs(
     return Witness(
         dead_reckoned(legs), LEGS, tells_heading=True, tells_turn=tells_turn, rests=rests
     )
-
-
-def feet_witness(
-    feet: Sequence[FootHistory],
-    places: Sequence[FootPath | None],
-    positions: Sequence[LegPosition | None],
-    base: BaseHistory,
-) -> Witness | None:
-    """Return the base's motion by the feet; None where their places are not known.
-
-    Args:
-        feet: histories of all feet.
-        places: of each foot in the base's axes, where its messages tell that; None: they do not,
-            and its contact points, if any, are the world's.
-        positions: of each foot on the body.
-        base: recorded poses.
-    """
-    if any(path is not None for path in places):
-        return by_legs(places, feet, base)
-    return by_points(feet, positions, base)
 
 
 SHORTEST_STRIDES: Final = 1.5

@@ -4,22 +4,22 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from dogbot_logtool.core.arrays import distinct
+from dogbot_logtool.core.arrays import distinct, rows_by_group
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import plausible
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.paths import FieldPath, parse_field_path
+from dogbot_logtool.reader.decode.paths import FieldPath, columns_of, parse_field_path
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels, read_feet
 from dogbot_logtool.reader.messages.gazebo import PairStates, read_pairs
 from dogbot_logtool.reader.messages.message_type import MessageType
-from dogbot_logtool.reader.messages.messages import DecodedMessages, definition_of
+from dogbot_logtool.reader.messages.messages import DecodedMessages, described
 from dogbot_logtool.reader.messages.source import (
     Source,
+    chosen_path,
     decoded_by,
-    first_fitting,
     source_of,
     without_sender,
 )
@@ -46,7 +46,7 @@ def _source_of_words(channel: Channel, fields: tuple[FootField, ...]) -> Source:
     Raises:
         DefinitionError: a field does not exist, or some are forces and others contacts.
     """
-    definition = definition_of(channel)
+    definition, own_because = described(channel)
     paths = {field: parse_field_path(definition, field.path) for field in fields}
     kinds = {_kind(field, path) for field, path in paths.items()}
     if len(kinds) > 1:
@@ -60,8 +60,11 @@ def _source_of_words(channel: Channel, fields: tuple[FootField, ...]) -> Source:
         words=words,
         one_axis=all(path.width == 1 or field.axis for field, path in paths.items()),
     )
-    wanted = {"force" if row.force else "flag": tuple(paths.values())}
-    return first_fitting(channel, [row], "feet", wanted)
+    told = {"force" if row.force else "flag": tuple(paths.values())}
+    if stamp := chosen_path(row.stamp, "time", definition):
+        told["stamp"] = (stamp,)
+    columns = columns_of(path for own in told.values() for path in own)
+    return Source(row, told, columns, own_definition=own_because)
 
 
 def _kind(field: FootField, path: FieldPath) -> str:
@@ -113,9 +116,9 @@ def _sensor_frames(
 ) -> Mapping[int, set[str]]:
     """Return the frames that the sensors' headers name, by foot."""
     code, names = source.paths["frame"][0].texts(messages.table)[1].encode()
-    pairs = feet.single(messages.channel) * len(names) + code
     frames: dict[int, set[str]] = {}
-    for foot, name in (divmod(pair, len(names)) for pair in distinct(pairs).tolist()):
-        if frame := names[name].lstrip("/"):
-            frames.setdefault(foot, set()).add(frame)
+    for foot, rows in rows_by_group(feet.single(messages.channel)):
+        own = {names[number].lstrip("/") for number in distinct(code[rows]).tolist()} - {""}
+        if own:
+            frames[foot] = own
     return frames
