@@ -16,12 +16,7 @@ from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
 
-_KINDS: Final = {
-    "revolute": "revolute",
-    "continuous": "revolute",
-    "prismatic": "prismatic",
-    "fixed": "fixed",
-}
+_KINDS: Final = frozenset({"revolute", "continuous", "prismatic", "fixed"})
 """Joints with one position or none; planar and floating ones have more."""
 _WORLDS: Final = frozenset({"world", "map", "odom"})
 MOST_JOINTS: Final = 400
@@ -53,8 +48,6 @@ class RobotOfUrdf(NamedTuple):
     """They make a tree of links."""
     limits: Mapping[str, JointLimits]
     links: Mapping[str, Link]
-    continuous: frozenset[str]
-    """Joints that turn without an end."""
 
     @property
     def mass_kg(self) -> float | None:
@@ -83,13 +76,11 @@ def read_robot(urdf: str) -> RobotOfUrdf:
     if loops(edges) or len({child for _, child in edges}) < len(edges):
         raise ValueError("has links in a circle, or with two parents")
     links = {each.get("name", "").lstrip("/"): _link(each) for each in root.iterfind("link")}
-    endless = (each.get("name", "") for each in elements if each.get("type") == "continuous")
     return RobotOfUrdf(
         base=_base(joints, links),
         joints=joints,
         limits={each.get("name", ""): own for each in elements if (own := _limits(each))},
         links=links,
-        continuous=frozenset(endless),
     )
 
 
@@ -145,7 +136,7 @@ def _joint(element: ET.Element) -> Joint:
     Raises:
         ValueError: it has not two links, no axis, or a number that cannot be used.
     """
-    name, kind = element.get("name", ""), _KINDS[element.get("type", "")]
+    name, kind = element.get("name", ""), element.get("type", "")
     parent, child = (_text(element, end, "link").lstrip("/") for end in ("parent", "child"))
     try:
         axis = _triple(element, "axis", "xyz", "1 0 0")
@@ -347,10 +338,10 @@ def _end(robot: RobotOfUrdf, path: tuple[Joint, ...], posture: Mapping[str, floa
     place, origins = motion.foot[0], motion.origins[0]
     length = sum(np.linalg.norm(np.diff(origins[moving[0] :], axis=0), axis=1))
     # A joint that slides takes the foot away from those that turn.
-    turning = [row for row in moving if path[row].kind == "revolute"] or moving
+    turning = [row for row in moving if path[row].kind != "prismatic"] or moving
     reach = float(np.linalg.norm(place - origins[turning[-1]]))
     at_joint = reach <= _REACH * (length + reach)
-    turns = at_joint and path[moving[-1]].name in robot.continuous
+    turns = at_joint and path[moving[-1]].kind == "continuous"
     is_joint = at_joint and len(moving) < _ANKLED
     return _End(leg, place, origins[moving[0]], is_joint, turns or _is_wheel(leg))
 
