@@ -249,7 +249,7 @@ def legs_of_robot(
         forward_axis: of the base; None: told by the names of the legs, else +x.
 
     Raises:
-        ValueError: it has none that can be used; the sentence goes on from its description.
+        ValueError: a sentence: it has none that can be used.
     """
     below = joints_below(robot.joints)
     ends = _ends(robot, below, posture)
@@ -257,13 +257,15 @@ def legs_of_robot(
     feet = _lowest([end for end in ends if not end.is_wheel])[:_MOST_LEGS]
     if not feet:
         what = f"legs that end in wheels, {', '.join(wheels)}, and " if wheels else ""
-        raise ValueError(f"has {what}no two legs: chains of joints that end below the base")
+        what = f"has {what}no two legs: chains of joints that end below the base"
+        raise ValueError(f"the robot description {what}")
     if unclear := [end.leg.foot for end in feet if end.is_joint]:
-        text = f"does not say where the feet of {', '.join(unclear)} are: no link hangs there"
-        raise ValueError(f"{text}, and they have no ball")
+        text = f"where the feet of {', '.join(unclear)} are: no link hangs there"
+        raise ValueError(f"the robot description does not say {text}, and they have no ball")
     along = np.mean([end.place - end.hip for end in feet], axis=0)
     if np.hypot(along[0], along[1]) > abs(along[2]):
-        raise ValueError(f"has a base, {robot.base}, whose z axis is not up: legs go sideways")
+        text = f"has a base, {robot.base}, whose z axis is not up: legs go sideways"
+        raise ValueError(f"the robot description {text}")
     places = np.array([end.place for end in feet])
     axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
     turn = FORWARD_ANGLES[axis]
