@@ -75,15 +75,12 @@ def poses(walk: Walk) -> Iterator[Finding]:
     record = walk.base_history
     if walk.base is None and (walk.corrected.leaning_rad is not None or len(walk.frozen)):
         return
-    if record.messages and record.not_usable == record.messages:
-        yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
-    elif walk.base is None:
+    if record.not_usable:
+        yield found("NOT_FINITE", "base", where="base", say="poses", record=record)
+    if record.not_advancing:
+        yield found("BAD_STAMPS", where="base", say="poses", record=record)
+    if walk.base is None and not (record.messages and record.not_usable == record.messages):
         yield found("NO_BASE", "few_poses", where="base")
-    else:
-        if record.not_usable:
-            yield found("NOT_FINITE", "base", where="base", say="poses", record=record)
-        if record.not_advancing:
-            yield found("BAD_STAMPS", where="base", say="poses", record=record)
 
 
 def by_feet(walk: Walk) -> Iterator[Finding]:
@@ -247,8 +244,6 @@ def rest_in_the_air(walk: Walk) -> bool:
 
     Feet of poses that look backwards do so, too, but are down for more than half of the time.
     """
-    if len(walk.frozen):
-        return False
     resting = 0
     for foot, path in zip(walk.feet, walk.corrected.places, strict=True):
         stood, down = foot.stood, foot.record.contact_fraction() or 0.0
