@@ -61,10 +61,7 @@ def _estimated(
     robot = _based(recording, named.base_frame, robot)
     knows_axis = "forward_axis" in named.given or not selection.robot_is_guessed
     axis = named.forward_axis if knows_axis else None
-    try:
-        legs, axis = legs_of_robot(robot, _posture(recording.joints), axis)
-    except ValueError as reason:
-        raise ValueError(f"the robot description {reason}") from None
+    legs, axis = legs_of_robot(robot, _posture(recording.joints), axis)
     names = dict.fromkeys(name for leg in legs for name in leg.measured)
     joints = joints_of_legs(recording.joints, tuple(names))
     mass = named.mass_kg or robot.mass_kg
