@@ -267,8 +267,6 @@ BOUNCE: Final = 0.2
 """Share of a foot's usual swing below which a swing is a bounce, if it is shorter than
 `LONGEST_BOUNCE_S`."""
 LONGEST_BOUNCE_S: Final = 0.08
-PART: Final = 0.5
-"""Share of a usual stance below which one of the two is that a foot bounces between."""
 FEWEST_BOUNCES: Final = 3
 """Bounces of a foot in a log, at least."""
 LONGEST_RISE_S: Final = 0.1
@@ -341,11 +339,9 @@ def joined_bounces(time: Ints, starts: Ints, ends: Ints) -> tuple[Ints, Ints]:
     swings = (time[starts[1:]] - time[ends[:-1]]) / 1e9
     if not len(swings):
         return starts, ends
-    stances = (time[ends] - time[starts]) / 1e9
     longest_s = min(BOUNCE * float(percentiles_of(swings, 75.0)), LONGEST_BOUNCE_S)
-    in_parts = np.minimum(stances[1:], stances[:-1]) < PART * percentiles_of(stances, 75.0)
     # Of a swing that begins with a silence it is not known that it is short.
-    apart = (swings >= longest_s) | ~in_parts | silent_before(time)[ends[:-1]]
+    apart = (swings >= longest_s) | silent_before(time)[ends[:-1]]
     if (~apart).sum() < FEWEST_BOUNCES:
         return starts, ends
     return starts[np.append(True, apart)], ends[np.append(apart, True)]
