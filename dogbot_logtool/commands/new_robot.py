@@ -47,7 +47,7 @@ def new_robot(
         because = ["Found by the types and names of their topics."]
         if others:
             chosen = others.pop(0)
-            because = [f"Chosen since: {chosen.reasons}."]
+            because = [f"Chosen since: {'; '.join(chosen.reasons)}."]
             options = replace(options, feet=chosen.feet)
             selection = select_topics(log, options)
         if not selection.odometry and not selection.contacts:

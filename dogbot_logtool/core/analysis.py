@@ -24,7 +24,7 @@ from dogbot_logtool.core.base.poses import find_jumps, without_jumps
 from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
 from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.clock import too_far_apart
-from dogbot_logtool.core.consistency import long_delay, placed_poses, without_stopped
+from dogbot_logtool.core.consistency import compare_worlds, long_delay, without_stopped
 from dogbot_logtool.core.corrected import Corrected, correct
 from dogbot_logtool.core.gait.feet import foot_steps
 from dogbot_logtool.core.gait.segments import Segment, find_segments, main_segment, reference_foot
@@ -112,9 +112,13 @@ def mask_walk(corrected: Corrected) -> Walk:
     records = without_stopped(telling, base)
     # Places that the poses have put into the world jump with them.
     placed_by_poses = any(path is not None for path in corrected.places)
-    candidates = [recorded] if placed_by_poses or not len(jumps.rows) else [base, recorded]
-    placed, worlds = placed_poses(records, candidates, period_s)
-    height = height_over_feet(placed, records)
+    placed = recorded if placed_by_poses else base
+    worlds = compare_worlds(records, placed, period_s)
+    stood = [
+        footfalls(contact_path(record) if path is None else path.in_world(base), record.stances)
+        for record, path in zip(records, corrected.places, strict=True)
+    ]
+    height = height_over_feet(placed, records, stood)
     fallen = fallen_spans(recorded, records, height)
     weighed = loads_of(records, settings, any_strides(records, fallen, timespans.no_spans()))
     dead = tuple(dead_feet(records, weighed))
@@ -130,19 +134,11 @@ def mask_walk(corrected: Corrected) -> Walk:
     if period_s and tells and not apart:
         delay = long_delay(records, base, period_s, walked)
     apart = apart | {settings.odometry_topic} if delay else apart
-    stood = [
-        footfalls(contact_path(record) if path is None else path.in_world(base), record.stances)
-        for record, path in zip(records, corrected.places, strict=True)
-    ]
     ground = find_moving_ground(stood, base, placed_by_poses=placed_by_poses)
     on_ground = base if ground is None else ground.on_ground(base)
     track = base_track(on_ground, height, stood, standing.still)
-    guessed = settings.forward_axis
-    motion = base_motion(track, settings.forward_rad)
-    in_one_world = stand_in is None and (worlds is None or worlds.agree)
-    settings = with_forward_axis(settings, on_ground, records, motion, in_one_world=in_one_world)
-    if settings.forward_axis != guessed:
-        motion = base_motion(track, settings.forward_rad)
+    if stand_in is None and (worlds is None or worlds.agree):
+        settings = with_forward_axis(settings, on_ground, records)
     feet = tuple(
         foot_steps(
             settings,
@@ -170,7 +166,7 @@ def mask_walk(corrected: Corrected) -> Walk:
         ground=ground,
         placed_poses=placed,
         track=track,
-        base=motion,
+        base=base_motion(track, settings.forward_rad),
         fallen=fallen,
         standing=standing,
         feet=feet,

@@ -114,24 +114,6 @@ def _load_is_missing(foot: FootHistory, feet: Sequence[FootHistory], span: Ints)
     return now < before - LACKS * own
 
 
-def all_silent(feet: Sequence[FootHistory], base: BaseHistory) -> Ints:
-    """Return the spans in which all feet have a gap and the base has none.
-
-    Args:
-        feet: records of all feet; those without usable messages do not count.
-        base: poses.
-
-    Returns:
-        (s, 2) ns; none with fewer than two feet.
-    """
-    speaking = [
-        timespans.subtract(foot.gaps, foot.stopped) for foot in feet if foot.start is not None
-    ]
-    if len(speaking) < 2:
-        return timespans.no_spans()
-    return timespans.intersect([*speaking, base.known])
-
-
 WINDOW_NS: Final = 2_000_000_000
 """ns: a foot's position is averaged over so long where there are no strides, and a change of it is
 told between two times that are so long."""
@@ -248,20 +230,6 @@ def trend(values: Floats) -> tuple[Floats, float]:
     change = time @ apart / max(time @ time, np.finfo(float).tiny)
     total, rest = float((apart**2).sum()), apart - np.outer(time, change)
     return change, 1.0 - float((rest**2).sum()) / total if total else 0.0
-
-
-def placed_poses(
-    records: Sequence[FootHistory], candidates: Sequence[BaseHistory], period_s: float | None
-) -> tuple[BaseHistory, Worlds | None]:
-    """Return the poses that stay where they are among the contact points, and how they agree.
-
-    Args:
-        records: of all feet.
-        candidates: poses without jumps, and with them; of those alike to a centimetre the first.
-        period_s: s, the usual stride; None: there is none.
-    """
-    tried = [(each, compare_worlds(records, each, period_s)) for each in candidates]
-    return min(tried, key=lambda each: round(each[1].shift_m, 2) if each[1] else np.inf)
 
 
 LIKELY: Final = 0.97

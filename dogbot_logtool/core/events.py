@@ -9,13 +9,10 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
-    Flags,
     Floats,
     Ints,
     median_of,
-    median_of_known,
     norms,
-    percentiles_of,
 )
 from dogbot_logtool.core.base.poses import SMALLEST_JUMP_M
 from dogbot_logtool.core.checks.sensors import foot_is_saturated
@@ -82,10 +79,7 @@ SLIP_M: Final = 0.005
 TIMES: Final = 2.0
 """So many times that way, too."""
 FEWEST: Final = 5
-"""Stances of a segment that say which way is usual."""
-FAR_OUT: Final = 8.0
-"""Times the distance from the lower quartile to the median that a slip is above the median: the
-lower half of the ways has no slips in it."""
+"""Stances, or swings, of a segment that say what is usual."""
 EARLY: Final = 0.7
 """Share of the usual swing below which a swing ends early."""
 BOUNCE: Final = 0.2
@@ -97,9 +91,6 @@ STRIDE_GOES_ON: Final = 1.4
 swing in which the foot hits something."""
 SAMPLES: Final = 2.0
 """Sampling intervals by which a swing must be too short."""
-NEIGHBOURS: Final = 5
-"""Swings before, and after, that say what is usual."""
-FEWEST_SWINGS: Final = 3
 
 
 def find_events(walk: Walk) -> tuple[Event, ...]:
@@ -265,10 +256,11 @@ def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:
     rolling_m, touchdown_s = walk.settings.foot_rolling_m, walk.seconds(stances.touchdown)
     counts = stances.whole & ~np.isin(touchdown_s, stumbles)
     travel = np.where(counts, figures.loaded_reach_m, np.nan)
+    usual = _usual(walk, stances.touchdown, stances.liftoff, travel)
+    usual[~(travel - usual > np.maximum(SLIP_M, TIMES * usual))] = np.nan
     is_far = travel > LARGEST_FOOT_M
     if rolling_m is not None:
         is_far = travel - rolling_m > max(SLIP_M, TIMES * rolling_m)
-    usual = _usual_m(stances, travel, _walks(walk))
     metres = travel - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
     for slip in np.flatnonzero(np.isfinite(metres)).tolist():
         stance = int(stances.touchdown[slip]), int(stances.liftoff[slip])
@@ -292,27 +284,21 @@ def _sliding(track: FootTrack, start: int, end: int) -> tuple[int, int]:
     return int(time[rests[-1]]), int(time[(away >= 0.9 * most).argmax()])
 
 
-def _walks(walk: Walk) -> list[Segment]:
-    """Return the segments with strides."""
-    return [segment for segment in walk.segments if segment.strides]
-
-
-def _usual_m(stances: Stances, travel: Floats, walks: Sequence[Segment]) -> Floats:
-    """(stances,) m, the usual way in the segment of stances that are unlike it; else NaN.
+def _usual(walk: Walk, start: Ints, end: Ints, values: Floats) -> Floats:
+    """(n,) the median in the segment that each value is of; NaN of few, and outside of strides.
 
     Args:
-        stances: of a foot.
-        travel: (stances,) m; NaN where it does not count.
-        walks: segments with strides.
+        walk: with its segments.
+        start: (n,) ns, from when each value is.
+        end: (n,) ns, until when.
+        values: (n,) any unit; NaN: does not count.
     """
-    usual = np.full(len(travel), np.nan)
-    for segment in walks:
-        rows = (stances.touchdown >= segment.start) & (stances.touchdown < segment.end)
-        rows &= np.isfinite(travel)
-        if rows.sum() >= FEWEST:
-            low, median = percentiles_of(travel[rows], (25.0, 50.0))
-            far = max(FAR_OUT * (median - low), TIMES * median, SLIP_M)
-            usual[rows & (travel - median > far)] = median
+    usual = np.full(len(values), np.nan)
+    for segment in walk.segments:
+        inside = (start >= segment.start) & (end <= segment.end) & bool(segment.strides)
+        known = values[inside & np.isfinite(values)]
+        if len(known) >= FEWEST:
+            usual[inside] = median_of(known)
     return usual
 
 
@@ -324,19 +310,17 @@ def _early_touchdowns(walk: Walk, row: int) -> Iterator[Event]:
     """
     steps = walk.feet[row]
     stances, stance = steps.stances, steps.stances.duration_s
-    if len(stance) < FEWEST_SWINGS + 2:
-        return
     swing = _swings_s(stances, steps.record.gaps)
-    usual_swing = _usual(swing, np.fmin)
-    usual_stance = _usual(np.where(stances.whole, stance, np.nan), np.fmax)
+    lifted = np.append(stances.touchdown[:1], stances.liftoff[:-1])
+    usual_swing = _usual(walk, lifted, stances.touchdown, swing)
+    whole = np.where(stances.whole, stance, np.nan)
+    usual_stance = _usual(walk, stances.touchdown, stances.liftoff, whole)
     short = stance < SHORT_STANCE * usual_stance
     early = (swing > BOUNCE * usual_swing) & (swing < EARLY * usual_swing) & stances.whole
     # Feet that are told rarely seem to touch down early by up to two samples.
     early &= usual_swing - swing > SAMPLES * (steps.record.median_interval_s or 0.0)
     # After a contact that is no step, a short swing is the rest of the swing before it.
     early[1:] &= ~short[:-1]
-    # Elsewhere no swing is usual.
-    early &= _inside(walk, stances.touchdown)
     rest = np.append(swing[1:], np.nan)
     whole_swing = swing + stance + rest
     goes_on = (rest > BOUNCE * usual_swing) & (whole_swing < STRIDE_GOES_ON * usual_swing)
@@ -353,8 +337,7 @@ def _early_touchdowns(walk: Walk, row: int) -> Iterator[Event]:
 def _scuffs(walk: Walk, row: int) -> Iterator[Event]:
     """Yield touches of the ground in mid-swing that are too short and light to be stances."""
     spans, stances = walk.feet[row].record.scuffs, walk.feet[row].stances
-    inside = _inside(walk, spans[:, 0])
-    for onset, end in spans[inside].tolist():
+    for onset, end in spans.tolist():
         after = int(np.searchsorted(stances.touchdown, onset))
         if 0 < after < len(stances.touchdown):
             lifted, lands = int(stances.liftoff[after - 1]), int(stances.touchdown[after])
@@ -370,32 +353,6 @@ def _swings_s(stances: Stances, gaps: Ints) -> Floats:
     swing[broken | np.isin(stances.touchdown, gaps[:, 1])] = np.nan
     swing[1:][broken[:-1]] = np.nan
     return swing
-
-
-def _usual(values: Floats, of: np.ufunc) -> Floats:
-    """(n,) the median of the values before each one, or of those after it; NaN of too few.
-
-    Where both are known, `of` chooses between them: a gait that changes is no event of one foot.
-    """
-    unknown = np.full(NEIGHBOURS, np.nan)
-    padded = np.concatenate([unknown, np.where(np.isfinite(values), values, np.nan), unknown])
-    windows = np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS)
-    usual: Floats = of(_medians(windows[: len(values)]), _medians(windows[NEIGHBOURS + 1 :]))
-    return usual
-
-
-def _medians(windows: Floats) -> Floats:
-    """(n,) the median of what each row, (n, w), knows; NaN of fewer than `FEWEST_SWINGS`."""
-    few = np.isfinite(windows).sum(axis=1) < FEWEST_SWINGS
-    return np.where(few, np.nan, median_of_known(windows, axis=1))
-
-
-def _inside(walk: Walk, time: Ints) -> Flags:
-    """(n,) which times, ns, lie in segments with strides."""
-    inside = np.zeros(len(time), np.bool_)
-    for each in _walks(walk):
-        inside |= (time > each.start) & (time <= each.end)
-    return inside
 
 
 def in_order(events: Iterable[Event], feet: Iterable[str]) -> tuple[Event, ...]:

@@ -58,7 +58,7 @@ class Walk:
     ground: MovingGround | None
     """How the ground moves; None: it rests."""
     placed_poses: BaseHistory
-    """Poses among the contact points: with jumps, if these jump with the odometry."""
+    """Poses among the contact points: with jumps, if they have placed these in the world."""
     track: BaseTrack
     base: Base | None
     """Motion of the base in the whole log."""

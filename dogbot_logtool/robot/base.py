@@ -4,7 +4,7 @@ A base is a topic, and where its messages hold poses of several things an elemen
 ``/tf:odom/base_link``, ``/gazebo/model_states:anymal``, ``/state:base.pose``.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -16,7 +16,8 @@ from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, choices, path_source
 from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.messages.source import Source
+from dogbot_logtool.reader.messages.source import Source, without_sender
+from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
     Topic,
@@ -25,7 +26,7 @@ from dogbot_logtool.robot.topics import (
     split_topic,
     topics_of,
 )
-from dogbot_logtool.robot.words import VOCABULARY, texts_of, word_set
+from dogbot_logtool.robot.words import PLANNED, VOCABULARY, texts_of, word_set
 
 _MOST_OFFERED: Final = 3
 _MOST_LISTED: Final = 12
@@ -39,13 +40,11 @@ _BASE_WORDS: Final = word_set(
     "vicon optitrack estimator estimate estimated estimation"
 )
 """Words of topics whose poses are the base's; a topic that is just called pose is one, too."""
-_OTHER_WORDS: Final = word_set(
-    "goal initialpose initial des desired ref reference cmd command plan planned planner "
-    "target setpoint set footprint foot feet leg hand arm camera object marker obstacle "
+_OTHER_WORDS: Final = PLANNED | word_set(
+    "initialpose initial set footprint foot feet leg hand arm camera object marker obstacle "
     "frame actor ball box calibration door human people person table wall wand"
 )
 """Words of topics whose poses are something else, or not measured."""
-_PLANNED_WORDS: Final = word_set("plan planned planner trajectory des desired ref")
 _CURRENT_WORDS: Final = word_set("curr current measured actual")
 _NO_NAMES: Final = (
     _BASE_WORDS
@@ -92,7 +91,7 @@ class _Candidate(NamedTuple):
         """Whether its poses are what a planner wants."""
         words = texts_of(self.topic.name)
         always = self.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)
-        return always or not words.isdisjoint(_PLANNED_WORDS)
+        return always or not words.isdisjoint(PLANNED)
 
     @property
     def robot(self) -> str:
@@ -125,12 +124,21 @@ def choose_base(
     except (CallError, LogError):
         if is_asked:
             raise
-    every = [each for each in _candidates(log, robot, feet) if each.rank[0] != _NEVER]
-    every.sort(key=lambda each: (each.rank[0], each.is_planned))
-    own = [each for each in every if not _is_of_another_robot(each.topic.name, feet)]
-    if foreign := [each.topic.name for each in every if each not in own]:
+    moving = [each for each in topics_of(log, "base") if not is_static(each.channels[0])]
+    every = [pose for topic in moving for pose in _poses_in(log, robot, topic)]
+    foreign, own = list[str](), list[_Candidate]()
+    robots = {_namespace_of(topic) for topic in feet}
+    whose = robots.pop() if len(robots) == 1 else ""
+    for each in every:
+        if each.rank[0] != _NEVER:
+            if whose and _namespace_of(each.topic.name) not in {whose, ""}:
+                foreign.append(each.topic.name)
+            else:
+                own.append(each)
+    own = _sorted(own)
+    if foreign:
         case, say = ((), "plain") if own else (("alone",), "alone")
-        names, whose = listed([each.name for each in own]), _namespace_of(next(iter(feet)))
+        names = listed([each.name for each in own])
         told = {"topics": listed(foreign), "whose": whose, "own": names}
         findings.append(found("POSE_OTHER_ROBOT", *case, where=foreign[0], say=say, **told))
     if not own or own[0].rank[0] != _SURE:
@@ -156,39 +164,33 @@ def _named(log: Log, robot: Robot, name: str) -> _Candidate:
     topic, element = split_topic(name, log.channels_by_topic)
     if not element or topic not in log.channels_by_topic:
         require_topic(log, "--odom-topic", topic, "base")
-    told = [each for each in topics_of(log, "base") if each.name == topic]
+    told = next((each for each in topics_of(log, "base") if each.name == topic), None)
     where = f"{name_of(log.source.path)}: --odom-topic: {topic}"
-    if element and not (told and told[0].source.row.choose):
-        try:
-            return _Candidate(_at_path(log.channels_by_topic[topic], element), element=element)
-        except DefinitionError as reason:
-            raise CallError(f"{where}: {reason}") from None
-    if not told[0].source.row.choose:
-        return _Candidate(told[0])
-    every, element = _clear(_elements_of(log, robot, told[0]), ()), element.lstrip("/")
-    for each in every:
-        if each.element == element if element else each.rank[0] == _SURE:
-            return each
-    known = listed(sorted(each.element for each in every), _MOST_LISTED) or "none"
-    what = element or f"pose that is surely the base's, so {topic}:NAME names one"
-    raise CallError(f"{where} has no {what}; it has {known}")
+    if told is not None and told.source.row.choose:
+        every, element = _sorted(_poses_in(log, robot, told)), element.lstrip("/")
+        for each in every:
+            if each.element == element if element else each.rank[0] == _SURE:
+                return each
+        known = listed(sorted(each.element for each in every), _MOST_LISTED) or "none"
+        what = element or f"pose that is surely the base's, so {topic}:NAME names one"
+        raise CallError(f"{where} has no {what}; it has {known}")
+    if told is not None and not element:
+        return _Candidate(told)
+    try:
+        return _Candidate(_at_path(log.channels_by_topic[topic], element), element=element)
+    except DefinitionError as reason:
+        raise CallError(f"{where}: {reason}") from None
 
 
 def _at_path(channels: Sequence[Channel], path: str) -> Topic:
     """Return the poses at a path in the messages of some channels of a topic.
 
     Raises:
-        DefinitionError: none of them has any.
+        DefinitionError: the first has none.
     """
-    sources: dict[Channel, Source] = {}
-    for channel in channels:
-        try:
-            sources[channel] = path_source(channel, path)
-        except DefinitionError as error:
-            reason = error
-    if not sources:
-        raise reason
-    return Topic(channels[0].topic, next(iter(sources.values())), tuple(sources))
+    source = path_source(channels[0], path)
+    own = (c for c in channels if without_sender(c) == without_sender(channels[0]))
+    return Topic(channels[0].topic, source, tuple(own))
 
 
 def _chosen(robot: Robot, candidate: _Candidate, findings: list[Finding]) -> ChosenBase:
@@ -220,54 +222,24 @@ def _options(candidates: Sequence[_Candidate]) -> str:
 # --- by types and names --------------------------------------------------------------------------
 
 
-def _candidates(log: Log, robot: Robot, feet: Collection[str]) -> Iterator[_Candidate]:
-    """Yield the poses that may be the base's, those of better types first."""
-    by_type: dict[str, list[_Candidate]] = {}
-    for topic in topics_of(log, "base"):
-        if is_static(topic.channels[0]):
-            continue
-        of_type = by_type.setdefault(topic.source.row.name, [])
-        if topic.source.row.choose:
-            of_type += _elements_of(log, robot, topic)
-        else:
-            of_type.append(_Candidate(topic, (_doubt(topic),)))
-    for of_type in by_type.values():
-        yield from _clear(of_type, feet)
-
-
-def _clear(of_type: Sequence[_Candidate], feet: Collection[str]) -> list[_Candidate]:
-    """Sort poses of one type; of two robots', or of two objects', none is surely the base's."""
-    sure = [each for each in of_type if each.rank[0] == _SURE]
-    same = _of_same_robot(sure, feet)
-    if len({each.robot for each in same}) > 1:
-        same = []
-    ranked = sorted(of_type, key=lambda each: each.rank)
-    return [
-        each if each in same else each._replace(rank=(max(each.rank[0], _PERHAPS), *each.rank[1:]))
-        for each in ranked
-    ]
-
-
-def _doubt(topic: Topic) -> int:
-    """Tell whether a topic whose messages have one pose each surely tells of the base."""
-    words, row = texts_of(topic.name), topic.source.row
+def _poses_in(log: Log, robot: Robot, topic: Topic) -> list[_Candidate]:
+    """Return what a topic's messages hold poses of; where they list several, the first ones."""
+    row = topic.source.row
+    if row.choose:
+        frames: dict[str, tuple[str, ...]] = {}
+        for channel in topic.channels:
+            for messages in first_messages(log, channel, topic.source.columns):
+                frames |= choices(topic.source, messages)
+        return [
+            _Candidate(topic, _rank(parts, robot, topic.source), name, parts)
+            for name, parts in sorted(frames.items())
+        ]
+    words = texts_of(topic.name)
     named = not words.isdisjoint(_BASE_WORDS) or words == {"pose"}
     is_other = row.anything and not (named and words.isdisjoint(_OTHER_WORDS))
     # Such states have the feet relative to the base, whose own pose is zero.
     is_other |= not row.anything and topic.name.endswith("body_frame")
-    return _PERHAPS if row.on_request or is_other else _SURE
-
-
-def _elements_of(log: Log, robot: Robot, topic: Topic) -> list[_Candidate]:
-    """Return what a topic's first messages hold poses of."""
-    frames: dict[str, tuple[str, ...]] = {}
-    for channel in topic.channels:
-        for messages in first_messages(log, channel, topic.source.columns):
-            frames |= choices(topic.source, messages)
-    return [
-        _Candidate(topic, _rank(parts, robot, topic.source), name, parts)
-        for name, parts in sorted(frames.items())
-    ]
+    return [_Candidate(topic, (_PERHAPS if row.on_request or is_other else _SURE,))]
 
 
 def _rank(parts: Sequence[str], robot: Robot, source: Source) -> tuple[int, ...]:
@@ -288,21 +260,21 @@ def _rank(parts: Sequence[str], robot: Robot, source: Source) -> tuple[int, ...]
     return _SURE if link in bases else _PERHAPS, (*bases, link).index(link)
 
 
-def _of_same_robot(candidates: Sequence[_Candidate], feet: Collection[str]) -> list[_Candidate]:
-    """Return those of some candidates that share the most words with the topics of all feet.
-
-    Where a log has several robots, as in ``/a1/odom`` and ``/a2/odom``, these belong to the one
-    whose feet are used.
-    """
-    shared = frozenset.intersection(*map(texts_of, feet)) if feet else frozenset()
-    counts = [len(shared & texts_of(each.name)) for each in candidates]
-    return [each for each, count in zip(candidates, counts, strict=True) if count == max(counts)]
-
-
-def _is_of_another_robot(name: str, feet: Collection[str]) -> bool:
-    """Tell whether a topic's namespace is the name of another robot than that of the feet."""
-    own, other = {_namespace_of(each) for each in feet}, _namespace_of(name)
-    return len(own) == 1 and bool(other) and own.isdisjoint((other, ""))
+def _sorted(candidates: Sequence[_Candidate]) -> list[_Candidate]:
+    """Sort poses, the best first; of two robots' of one type, none is surely the base's."""
+    robots: dict[str, set[str]] = {}
+    for each in candidates:
+        if each.rank[0] == _SURE:
+            robots.setdefault(each.row.name, set()).add(each.robot)
+    several = {name for name, own in robots.items() if len(own) > 1}
+    types = types_of("base")
+    ranked = []
+    for each in candidates:
+        doubt, *rank = each.rank
+        doubt = max(doubt, _PERHAPS) if each.row.name in several else doubt
+        order = doubt, each.is_planned, types.index(each.row.name), rank
+        ranked.append((order, each._replace(rank=(doubt, *rank))))
+    return [each for _, each in sorted(ranked, key=lambda one: one[0])]
 
 
 def _namespace_of(topic: str) -> str:

@@ -48,8 +48,6 @@ ORDER: Final = ("front", "middle", "back", "left", "right")
 Words = Sequence[Word]
 Group = Mapping[str, Words]
 """Words of names by topic."""
-Mark = tuple[int, str]
-"""Points for or against feet, and the reason; empty: it need not be said."""
 
 
 class FootSet(NamedTuple):
@@ -58,29 +56,20 @@ class FootSet(NamedTuple):
     feet: tuple[Foot, ...]
     """In the order front to back, left before right, or of their numbers."""
     kind: str
-    """``corners``, ``sides`` or ``numbers``, as names differ; of fields also ``one number``, or
-    ``elements`` of an array or bits, of which messages have fewer."""
+    """``corners``, ``sides``, ``rows`` or ``numbers``, as names differ; of fields also ``elements``
+    of an array or bits, of which messages have fewer."""
     part: Part = Part.UNKNOWN
     words: frozenset[str] = frozenset()
     """Words that describe the leg, without those that name it."""
     type_name: str = ""
     """Type of the messages, of fields."""
-    marks: tuple[Mark, ...] = ()
+    reasons: tuple[str, ...] = ()
+    """What speaks for them, of fields."""
 
     @property
     def topics(self) -> frozenset[str]:
         """The topics."""
         return frozenset(foot.topic for foot in self.feet)
-
-    @property
-    def points(self) -> int:
-        """The sum of all marks."""
-        return sum(points for points, _ in self.marks)
-
-    @property
-    def reasons(self) -> str:
-        """What speaks for them, and against."""
-        return "; ".join(reason for _, reason in self.marks if reason)
 
     @property
     def fields(self) -> str:
@@ -115,7 +104,7 @@ class FootSet(NamedTuple):
         is_leg, count = self.part >= Part.LEG, len(self.feet)
         if not self.is_usable:
             return False
-        if self.kind == "numbers":
+        if self.kind in {"rows", "numbers"}:
             return is_leg and count >= _NUMBERED
         if self.kind == "sides":
             return is_leg or (contacts_only and self.words.isdisjoint({"bumper", "bumpers"}))
@@ -124,8 +113,9 @@ class FootSet(NamedTuple):
         return count >= _MANY or ((is_leg or contacts_only) and ends != {"front"})
 
     def may_be_feet(self, *, contacts_only: bool) -> bool:
-        """Tell whether it is worth offering: forces of any left and right thing are not."""
-        is_anything = self.kind == "sides" and self.part == Part.UNKNOWN and not contacts_only
+        """Tell whether it is worth offering: forces of any two or numbered things are not."""
+        is_anything = self.kind in {"sides", "numbers"} and self.part == Part.UNKNOWN
+        is_anything &= not contacts_only
         return self.part > Part.NOT_A_FOOT and len(self.feet) <= _MOST_LEGS and not is_anything
 
 
@@ -191,7 +181,7 @@ def _sets(group: Group) -> Iterator[FootSet]:
         for topic, words in own.items():
             parts.setdefault(tuple(words[at].text for at in others), {})[topic] = words
     is_grid = len(of_leg) > 1 and all(len(part) == len(of_leg) for part in parts.values())
-    if kind != "numbers" and is_grid and _are_places(group, legs, others):
+    if kind != "rows" and is_grid and _are_places(group, legs, others):
         yield _as_feet(group, legs, kind, [part for _, part in sorted(parts.items())])
         return
     for part in parts.values() if len(parts) > 1 else ():
@@ -229,7 +219,7 @@ def _as_feet(
     near = [w for at, w in enumerate(words) if at not in slots and w.segment >= first - telling]
     parts = [word.part for word in near if word.part is not None]
     part = Part.FOOT if Part.FOOT in parts else min(parts, default=Part.UNKNOWN)
-    if len(slots) > 1 and kind == "numbers":
+    if len(slots) > 1 and kind == "rows":
         # The numbers in `foot_l1` may be those of the sensors of one foot.
         inside = {word.part for word in words if word.segment == first}
         part = Part.UNKNOWN if Part.FOOT in inside and Part.LEG not in inside else part
@@ -259,7 +249,7 @@ def _read_legs(group: Group, differ: Sequence[int]) -> tuple[str, dict[str, _Leg
     """Return the leg of each name, all read in the same way, and its kind; none: no way fits."""
     for kind, read in (
         ("corners", _corner),
-        ("numbers", _of_row),
+        ("rows", _of_row),
         ("numbers", _numbered),
         ("sides", _side),
     ):
@@ -317,15 +307,14 @@ def _of_row(words: Words, differ: Sequence[int]) -> _Leg | None:
 
 
 def _numbered(words: Words, differ: Sequence[int]) -> _Leg | None:
-    """Read a word as the number of a leg: ``leg_1``, ``leg/1``."""
+    """Read a word as the number of a leg, ``leg_1`` or ``leg/1``, or of what may be one."""
     if len(differ) != 1 or words[differ[0]].slot != "number":
         return None
     word = words[differ[0]]
     beside = [one for one in words if one.segment == word.segment and one is not word]
     beside = beside or [one for one in words if one.segment == word.segment - 1][-1:]
-    parts = [one.text for one in beside if one.is_leg]
-    order = _number(word.text), 0
-    return _Leg(f"{parts[-1]}_{word.text}", order, tuple(differ)) if parts else None
+    part = next((one.text for one in reversed(beside) if one.is_leg), "foot")
+    return _Leg(f"{part}_{word.text}", (_number(word.text), 0), tuple(differ))
 
 
 def _side(words: Words, differ: Sequence[int]) -> _Leg | None:

@@ -18,13 +18,13 @@ from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.others import FOXGLOVE_TYPES, TRANSFORM_TYPES
+from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.part import WantedVectors
 from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot import Robot
-from dogbot_logtool.robot.words import texts_of, word_set
+from dogbot_logtool.robot.words import PLANNED, texts_of, word_set
 
 _COMPARED: Final = 2000
 """Topics that a wrong name is compared with."""
@@ -39,7 +39,7 @@ _MEASURED: Final = word_set(
 _COMMANDS: Final = (
     word_set("cmd"),
     word_set("command commands commanded cmds"),
-    word_set("desired des target setpoint reference ref teleop joy"),
+    PLANNED | {"teleop", "joy"},
 )
 """Words of topics whose twists are commands, the surest first."""
 _ELSEWHERE: Final = word_set(
@@ -47,7 +47,9 @@ _ELSEWHERE: Final = word_set(
     "livox ouster velodyne"
 )
 """Words of topics of inertial units that are not the base's; numbers are those of cameras."""
-_NO_STATES: Final = frozenset[str]().union(*_COMMANDS, {"goal", "foot"})
+_OTHER: Final = 9
+"""Rank of topics of something else."""
+_NO_STATES: Final = PLANNED | {"teleop", "joy", "foot"}
 """Words in topics whose joint states are no positions of joints."""
 _MOST_CHANNELS: Final = 16
 
@@ -59,6 +61,11 @@ class Topic(NamedTuple):
     source: Source
     channels: tuple[Channel, ...]
     """All of one definition."""
+
+    @property
+    def is_planned(self) -> bool:
+        """Whether it tells what was planned of feet, not what was measured."""
+        return _is_planned(self.source, self.name)
 
 
 def message_count(log: Log, topic: str) -> int:
@@ -176,7 +183,17 @@ def require_topic(
 def is_planned(channel: Channel) -> bool:
     """Tell whether a channel's messages tell what was planned, not what was measured."""
     source = source_of(channel, "feet")
-    return source is not None and source.row.is_planned(channel.topic)
+    return source is not None and _is_planned(source, channel.topic)
+
+
+def _is_planned(source: Source, topic: str) -> bool:
+    by_name = source.row.planned == "by name" and is_named_as_planned(topic)
+    return source.row.planned == "always" or by_name
+
+
+def is_named_as_planned(topic: str) -> bool:
+    """Tell whether the name of a topic of feet says that it is a plan or a command."""
+    return not texts_of(topic).isdisjoint(PLANNED | {"control", "mpc"})
 
 
 # --- beside feet and base -----------------------------------------------------------------------
@@ -213,11 +230,12 @@ def side_topics(
         ("accelerations", "imu_topic", robot.imu_topic, "the base's accelerations"),
     )
     for part, option, asked, what in parts:
+        topics = [each for each in topics_of(log, part) if asked in {None, each.name}]
         if asked is not None:
             require_topic(log, option, asked, part)
-        every = topics_of(log, part)
-        named = [each for each in every if each.name == asked]
-        topics = _likely(every, part) if asked is None else named
+        else:
+            topics = [each for each in topics if _rank(each.name, part) < _OTHER]
+            topics.sort(key=lambda each: _rank(each.name, part))
         chosen.append(WantedVectors(topics[0].name, topics[0].channels, part) if topics else None)
         if topics and asked is None:
             best, *others = [each.name for each in topics]
@@ -228,19 +246,16 @@ def side_topics(
     return commands, accelerations, tuple(findings)
 
 
-def _likely(topics: Iterable[Topic], part: Part) -> list[Topic]:
-    """Return the topics that are named like commands, or the base's inertial unit, best first."""
-    ranked: list[tuple[int, Topic]] = []
-    for topic in topics:
-        words = texts_of(topic.name)
-        if part == "accelerations":
-            ranks = [] if words & _ELSEWHERE else [int("raw" in words)]
-        else:
-            is_other = topic.name.rpartition("/")[2] != "cmd_vel"
-            ranks = [2 * row + is_other for row, sure in enumerate(_COMMANDS) if words & sure]
-            ranks = [] if words & _MEASURED else ranks
-        ranked += [(rank, topic) for rank in ranks[:1]]
-    return [topic for _, topic in sorted(ranked, key=lambda each: each[0])]
+def _rank(name: str, part: Part) -> int:
+    """Rank topics that are named like commands, or like the base's inertial unit; 0 is best."""
+    words = texts_of(name)
+    if part == "accelerations":
+        return _OTHER if words & _ELSEWHERE else int("raw" in words)
+    if words & _MEASURED:
+        return _OTHER
+    if name.rpartition("/")[2] == "cmd_vel":
+        return 0
+    return next((row for row, sure in enumerate(_COMMANDS, start=1) if words & sure), _OTHER)
 
 
 # --- what is offered, and what is said -----------------------------------------------------------
@@ -271,7 +286,7 @@ def offer_finding(log: Log, sets: Sequence[FootSet], call: str) -> Finding:
         options = " or ".join(foot_options(one.feet) for one in others[:_ALTERNATIVES])
         which = first.fields + (f"; or {options}" if others else "")
         return replace(found("FEET_UNSURE", say="topics", which=which, call=call), command=call)
-    told = "; or ".join(f"{o.fields} ({o.points} points: {o.reasons})" for o in sets[:3])
+    told = "; or ".join(f"{o.fields} ({'; '.join(o.reasons)})" for o in sets[:3])
     if any(foot.leg_position is None for foot in first.feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
         told += f"{first.feet[0].name} and the others, and gaits have names"
@@ -314,25 +329,25 @@ def unreadable_findings(
         odometry: channels that are used.
         contacts: channels that are used.
     """
-    lost: dict[tuple[bool, str], set[str]] = {}
-    unknown: dict[str, set[str]] = {}
+    lost: dict[tuple[str, str], set[str]] = {}
     for channel in log.channels.values():
         is_base = channel.type_name in {ODOMETRY_TYPE, *TRANSFORM_TYPES}
         source = source_of(channel, "base" if is_base else "feet")
+        case, encoding = "one_topic", channel.message_encoding
         if source is not None and source.fault:
             # Messages that can be about anything need not be about feet.
-            is_error = not source.row.anything and not contacts
+            is_needed = not source.row.anything and not contacts
             if is_base:
-                is_error = channel.type_name == ODOMETRY_TYPE and not odometry
-            lost.setdefault((is_error, source.fault), set()).add(channel.topic)
-        is_known = channel.message_encoding in SERIALISATIONS or channel.type_name in FOXGLOVE_TYPES
-        if not is_known and not readable_source(channel, "base"):
-            unknown.setdefault(channel.message_encoding, set()).add(channel.topic)
-    for (is_error, reason), topics in sorted(lost.items()):
-        yield _about(topics, reason + _NOT_USED, () if is_error else ("one_topic",))
-    for encoding, topics in unknown.items() if not (contacts or lost) else ():
-        text = f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
-        yield _about(topics, text, ("not_needed",))
+                is_needed = channel.type_name == ODOMETRY_TYPE and not odometry
+            case, text = "" if is_needed else case, source.fault + _NOT_USED
+        elif encoding in SERIALISATIONS or channel.type_name.startswith("foxglove.") or contacts:
+            continue
+        else:
+            case = "not_needed"
+            text = f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
+        lost.setdefault((case, text), set()).add(channel.topic)
+    for (case, text), topics in sorted(lost.items()):
+        yield _about(topics, text, (case,) if case else ())
 
 
 def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:

@@ -81,13 +81,19 @@ NEUTRAL: Final = word_set(
     "sensors six state states status tip tips torque wrench wrenches"
 )
 """Words of a sensor or its message; they say nothing about where it is."""
+_PLANNED: Final = (
+    "cmd cmds command commanded commands des desired goal plan planned planner ref reference "
+    "setpoint target traj trajectory"
+)
+PLANNED: Final = word_set(_PLANNED)
+"""Words of what shall be, and was not measured."""
 MERITS: Final[Mapping[str, int]] = _by_word(
     {
         1: "act actual calibrated comp compensated corrected filtered meas measured off real "
         "scaled tared unbiased zeroed",
         -1: "raw uncalibrated unfiltered",
-        -4: "bias cmd command commanded commands des desired err error errors goal limit limits "
-        "noise nominal plan planned predicted ref reference setpoint target threshold thresholds",
+        -4: f"{_PLANNED} bias err error errors limit limits noise nominal predicted threshold "
+        "thresholds",
     }
 )
 """How good what a word announces is for telling a foot's contact; other words count 0."""

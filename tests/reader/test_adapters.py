@@ -218,7 +218,7 @@ def assert_is_sentence(text: str) -> None:
 @pytest.mark.parametrize(
     ("line", "other", "says"),
     [
-        ("float64 x", "string x", "position.x' of nav_msgs/Odometry must be a single number, but"),
+        ("float64 x", "string x", "position' of nav_msgs/Odometry must be readable as xyz"),
         ("string frame_id", "string frame", "has no field 'header.frame_id', which"),
         (
             "string child_frame_id\n",

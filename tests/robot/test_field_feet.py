@@ -147,7 +147,10 @@ def test_fields_become_the_loads_they_are(
     ("word", "expected"),
     [
         ("/state:legs[0].forces", "nearest are legs[].force (geometry_msgs/Vector3)"),
-        ("/state:loads[4]", "a fixed array of at least 5 numbers"),
+        (
+            "/state:loads[4]",
+            "must be readable as loads[4], but",
+        ),
         ("/state:loads", "nearest are loads[] (float64)"),
         ("/state:left", "nearest are left.force"),
         ("/state:header[0]", "has no number or vector header[0]"),

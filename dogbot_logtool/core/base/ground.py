@@ -19,12 +19,12 @@ from dogbot_logtool.core.arrays import (
     all_finite,
     interpolated,
     median_of,
+    trapezoids,
 )
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.clock import advancing, first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, Stances
-from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.rotations import along_heading, conjugate, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
@@ -177,8 +177,15 @@ STEEPEST: Final = 0.5
 """Cosine of the steepest plane that is taken for ground."""
 
 
-def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
+def height_over_feet(
+    base: BaseHistory, feet: Sequence[FootHistory], stood: Sequence[Footfalls]
+) -> Floats:
     """Return the height of the base over the feet's latest contact points.
+
+    Args:
+        base: poses.
+        feet: histories of all feet.
+        stood: where they stand.
 
     Returns:
         (n,) m, at each pose; NaN before any contact point, and throughout where the contact
@@ -189,7 +196,6 @@ def height_over_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     height, spread = median_of(known, axis=0) if len(known) else (0.0, 0.0)
     if height < max(LOWEST_M, LOWEST * spread):
         return np.full(len(base.time), np.nan)
-    stood = [footfalls(contact_path(foot), foot.stances) for foot in feet]
     normal = _ground_normal(stood, timespans.ALWAYS)
     if normal is None:
         return np.asarray(offset[:, 2])
@@ -202,10 +208,8 @@ def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
     latest = np.full((len(feet), len(base.time), 3), np.nan)
     for row, foot in enumerate(feet):
         time, point = foot.track.contact_points
-        if len(time):
-            newest = np.searchsorted(time, base.time, side="right") - 1
-            latest[row] = point.take(np.maximum(newest, 0), axis=0)
-            latest[row, newest < 0] = np.nan
+        newest = np.searchsorted(time, base.time, side="right")
+        latest[row] = np.concatenate([np.full((1, 3), np.nan), point]).take(newest, axis=0)
     seen = np.isfinite(latest[:, :, :1])
     number = np.maximum(seen.sum(axis=0), 1)
     centre = np.where(seen, latest, 0.0).sum(axis=0) / number
@@ -318,59 +322,43 @@ def find_moving_ground(
     if speed < SLOWEST_MPS or apart > ALIKE * speed or np.hypot(*travel) > RESTS * speed * seconds:
         return None
     order = np.argsort(time, kind="stable")
-    time, velocity = time[order], velocity[order]
     around = np.arange(len(time))[:, None] + np.arange(_NEIGHBOURS) - _NEIGHBOURS // 2
-    velocity = median_of(velocity[np.clip(around, 0, len(time) - 1)], axis=1)
-    time = np.concatenate([base.time[:1], time, base.time[-1:]])
-    velocity = np.concatenate([velocity[:1], velocity, velocity[-1:]])
-    steps = np.maximum(np.diff(time), 0)[:, None] / 1e9
-    displacement = np.cumsum((velocity[1:] + velocity[:-1]) / 2.0 * steps, axis=0)
-    return MovingGround(time, np.concatenate([np.zeros((1, 2)), displacement]), speed)
+    smooth = median_of(velocity[order][np.clip(around, 0, len(time) - 1)], axis=1)
+    time = np.concatenate([base.time[:1], time[order], base.time[-1:]])
+    velocity = np.concatenate([smooth[:1], smooth, smooth[-1:]])
+    steps = np.maximum(np.diff(time), 0) / 1e9
+    return MovingGround(time, trapezoids(steps, velocity), speed)
 
 
-STRAIGHT: Final = 0.9
-"""Net way over path of a base that goes straight."""
 CLEARLY: Final = 2.0
 """Times by which one direction exceeds the other where the forward axis is clear."""
 
 
 def with_forward_axis(
-    settings: WalkSettings,
-    base: BaseHistory,
-    feet: Sequence[FootHistory],
-    motion: Base | None,
-    *,
-    in_one_world: bool,
+    settings: WalkSettings, base: BaseHistory, feet: Sequence[FootHistory]
 ) -> WalkSettings:
     """Let the fore and hind feet's contact points correct a guessed forward axis.
 
     Args:
         settings: with the forward axis of the robot.
-        base: poses.
+        base: poses, in one world with the contact points.
         feet: histories of all feet.
-        motion: of the base along that axis; None: not known.
-        in_one_world: whether base and contact points are, so that these tell of the body.
     """
-    if not settings.forward_axis_is_assumed or not in_one_world:
-        return settings
     places = usual_places(base, feet, [foot.leg_position for foot in settings.feet])
     front, back = ([places[p] for p in places if p[0] == end] for end in ("front", "back"))
-    if not (front and back) or not (motion is None or has_heading(motion)):
+    if not (settings.forward_axis_is_assumed and front and back):
         return settings
-    measured = nearest_axis(np.mean(front, axis=0) - np.mean(back, axis=0))
-    if measured is None:
+    ahead = np.mean(front, axis=0) - np.mean(back, axis=0)
+    aside_m, ahead_m = np.sort(np.abs(ahead))
+    if ahead_m <= CLEARLY * aside_m:
         return settings
+    along = int(np.abs(ahead).argmax())
+    measured = f"{'+' if ahead[along] > 0.0 else '-'}{'xy'[along]}"
     if measured == settings.forward_axis:
         return replace(settings, forward_axis_is_assumed=False)
     because = "the fore feet are on that side of the hind feet"
     reason = f"{settings.forward_axis} of the guessed robot is not forward here: {because}"
     return replace(settings, forward_axis=measured, forward_axis_reason=reason)
-
-
-def has_heading(motion: Base) -> bool:
-    """Tell whether the heading turns with the way: one that never turns beside a bend is none."""
-    net, path = motion.net_displacement_m or 0.0, motion.path_length_m or 0.0
-    return bool(motion.yaw_rate_radps) or net >= STRAIGHT * path
 
 
 def usual_places(
@@ -383,10 +371,3 @@ def usual_places(
         for place, position in zip(seen, positions, strict=True)
         if position is not None and len(place)
     }
-
-
-def nearest_axis(direction: Floats) -> str | None:
-    """Return the axis that a (2,) direction in the body clearly follows; None: it does not."""
-    x, y = direction.tolist()
-    less, more = sorted([(abs(x), "-x" if x < 0.0 else "+x"), (abs(y), "-y" if y < 0.0 else "+y")])
-    return more[1] if more[0] > CLEARLY * less[0] else None

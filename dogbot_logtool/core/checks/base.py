@@ -10,13 +10,12 @@ from dogbot_logtool.core.arrays import (
     Floats,
     Ints,
     all_finite,
-    interpolated,
     median_of,
     median_of_known,
     norms,
     percentiles_of,
 )
-from dogbot_logtool.core.base.ground import has_heading, usual_places
+from dogbot_logtool.core.base.ground import usual_places
 from dogbot_logtool.core.base.leg_odometry import turns_and_up
 from dogbot_logtool.core.base.witness import (
     LEGS,
@@ -51,22 +50,12 @@ def worlds_differ(walk: Walk) -> Iterator[Finding]:
             cases, say = [*cases, "reckoned"], "reckoned"
         elif walk.loses_track:
             cases.append("loses_way")
-        if walk.settings.force_in_world and _headings_differ(walk):
+        if walk.settings.force_in_world:
             cases.append("turned")
         feet, where = [foot.name for foot in walk.feet], "stability"
         yield found("WORLDS_DIFFER", *cases, feet=feet, where=where, say=say, worlds=worlds)
     elif worlds is not None and walk.base is not None and walk.base.height_m is None:
         yield found("WORLDS_DIFFER", "below", where="base.height_m")
-
-
-def _headings_differ(walk: Walk) -> bool:
-    """Tell whether the robot heads elsewhere by its feet's places than by the poses, or may."""
-    witness, poses = walk.witness, walk.poses
-    if witness is None or not witness.tells_heading:
-        return True
-    heading = interpolated(witness.poses.time, poses.time, poses.angles[:, 2:])[:, 0]
-    apart = witness.poses.angles[:, 2] - heading - walk.settings.forward_rad
-    return bool(abs(np.angle(np.exp(1j * apart).mean())) > ASIDE_RAD)
 
 
 def falls(walk: Walk) -> Iterator[Finding]:
@@ -113,7 +102,6 @@ def sides_swapped(walk: Walk) -> Iterator[Finding]:
     """Yield where left feet touch on the right; where all do, the walk is a mirror image."""
     # In another world, contact points tell nothing of the body's sides.
     apart = walk.worlds_differ or walk.base_by_feet
-    apart |= walk.base is not None and not has_heading(walk.base)
     poses = walk.poses.without_poses() if apart else walk.placed_poses
     positions = [foot.leg_position for foot in walk.settings.feet]
     places, forward_rad = usual_places(poses, walk.records, positions), walk.settings.forward_rad
@@ -141,8 +129,7 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     if settings.forward_axis_reason:
         yield found("FORWARD_AXIS", where="settings.forward_axis", settings=settings)
     forward, left = base.forward_speed_mps or 0.0, base.lateral_speed_mps or 0.0
-    goes = has_heading(base) and abs(left) * (base.duration_s or 0.0) > WALKED_M
-    if goes and abs(left) > 2.0 * abs(forward):
+    if abs(left) * (base.duration_s or 0.0) > WALKED_M and abs(left) > 2.0 * abs(forward):
         where, side = "base.forward_speed_mps", "left" if left > 0.0 else "right"
         words: Words = {"settings": settings, "base": base, "side": side, "speed": abs(left)}
         cases = ("assumed",) if settings.forward_axis_is_assumed else ()

@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 
 from dogbot_logtool.core.clock import TimeSource
-from dogbot_logtool.core.consistency import all_silent
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
 from dogbot_logtool.core.known_frames import Counts, WorldFrames
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
@@ -63,15 +62,6 @@ def clocks_differ(walk: Walk) -> Iterator[Finding]:
         seconds, way = abs(delay.delay_s), "after" if delay.delay_s > 0.0 else "before"
         words = {"topic": base_topic, "seconds": seconds, "way": way}
         yield found("CLOCK_OFFSET", "base", say="heave", feet=feet, delay=delay, **words)
-
-
-def feet_silent(walk: Walk) -> Iterator[Finding]:
-    """Yield time in which no foot tells anything, though the odometry does."""
-    silent = all_silent(walk.records, walk.poses)
-    if len(silent):
-        first, seconds = walk.seconds(silent[:, 0])[0], np.diff(silent).sum() / 1e9
-        words: Words = {"times": len(silent), "first": first, "seconds": seconds}
-        yield found("GAPS", say="all_feet", where="feet", **words)
 
 
 def topics_timed(walk: Walk) -> Iterator[Finding]:

@@ -17,9 +17,8 @@ nearest fields that there are.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from copy import copy
 from itertools import islice
-from typing import Any, Final, Literal, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -47,16 +46,6 @@ MOST_ELEMENTS: Final = 16
 _PART: Final = (
     r"(?a)([A-Za-z]\w*)(\[(-1|\d{0,6})(?::(\d{1,6}))?(?: by (\d))?(?: of (\d{1,6})(\+?))?\])?"
 )
-ArrayKind = Literal["messages", "texts", "numbers", "fixed"]
-"""What the elements of an array are; fixed: numbers that stand in the message itself."""
-_ARRAYS: Final[Mapping[ArrayKind, tuple[Any, Any, str]]] = {
-    "messages": (FixedArray | VariableArray, Struct, "an array of {least}messages"),
-    "texts": (VariableArray, Text, "a sequence of strings"),
-    "numbers": (VariableArray, Primitive, "a sequence of numbers"),
-    "fixed": (FixedArray, Primitive, "a fixed array of {least}numbers"),
-}
-"""How a definition has an array and its elements, and what errors call it."""
-_CALLED: Final = {"text": "string"}
 _NAME: Final = r"[A-Za-z]\w*(?:\[[0-9]{1,6}\])?"
 _GIVEN_PATH: Final = rf"(?a)({_NAME}(?:\.{_NAME})*)(?:&([0-9]{{1,10}}|0x[0-9a-fA-F]{{1,8}}))?"
 _COMPONENTS: Final = ("x", "y", "z")
@@ -73,7 +62,8 @@ class ArrayPart(NamedTuple):
 
     path: str
     """From the message or the element before."""
-    kind: ArrayKind
+    is_fixed: bool
+    """Whether its elements are numbers that stand in the message itself."""
     first: int = 0
     """-1: the last element."""
     last: int | None = None
@@ -109,7 +99,7 @@ class FieldPath(NamedTuple):
     @property
     def is_array_of_elements(self) -> bool:
         """Whether it leads through elements, of which a message may have none."""
-        return bool(self.arrays) and self.arrays[0].kind == "messages"
+        return len(self.arrays) > 1 or bool(self.arrays and (self.leaf or self.components))
 
     def values(self, table: Table) -> Floats:
         """Return (n, k, w) numbers of n messages."""
@@ -170,17 +160,15 @@ def _elements(path: FieldPath, table: Table, depth: int) -> Floats:
     if depth == len(path.arrays):
         return _leaf(path, table)[:, None]
     array = path.arrays[depth]
-    if array.kind == "fixed":
+    if array.is_fixed:
         column = table.numbers(array.path).astype(np.float64)[:, array.first : array.last]
-        return column.reshape(table.rows, column.shape[1] // array.width, array.width)
-    nested = table.nested(array.path)
-    if array.kind == "numbers":
-        numbers = nested.table.numbers(ELEMENT).astype(np.float64)
-        found = side_by_side(nested, numbers, table.rows, array)
-        return found.reshape(table.rows, found.shape[1] // array.width, array.width)
-    inside = _elements(path, nested.table, depth + 1)
-    found = side_by_side(nested, inside, table.rows, array)
-    return found.reshape(table.rows, found.shape[1] * found.shape[2], found.shape[3])
+        found = column[:, :, None, None]
+    else:
+        nested = table.nested(array.path)
+        inside = _elements(path, nested.table, depth + 1)
+        found = side_by_side(nested, inside, table.rows, array)
+    _, elements, inner, width = found.shape
+    return found.reshape(table.rows, elements * inner // array.width, array.width * width)
 
 
 def side_by_side(nested: Nested, values: Floats, rows: int, array: ArrayPart) -> Floats:
@@ -219,84 +207,54 @@ def path_of(text: str, want: Want, definition: Struct) -> FieldPath:
         DefinitionError: the definition has no such field, or one of another kind or shape.
     """
     plain, _, mask = text.partition("&")
-    walk, arrays = _Walk(definition), list[ArrayPart]()
-    parts = plain.split(".")
-    for number, part in enumerate(parts, start=1):
+    found: FieldType = definition
+    path, leaf, last, arrays = "", "", "", list[ArrayPart]()
+    for part in plain.split("."):
         match = re.fullmatch(_PART, part)
         if match is None:
             raise ValueError(f"{text!r} is no path of a field")
-        walk.enter(match[1])
-        if match[2] is not None:
-            arrays.append(walk.array(match, want if number == len(parts) else None))
-    found, components = walk.found, ""
-    columns: Columns = (walk.path,)
-    of_numbers = bool(arrays) and not walk.leaf and arrays[-1].kind != "messages"
-    if want in {"xyz", "xyzw"} and not of_numbers:
-        components, columns = want, tuple(f"{walk.path}.{each}" for each in want)
-        for each in want:
-            inner = copy(walk)
-            inner.enter(each)
-            inner.require(isinstance(inner.found, Primitive), "a single number")
-    elif not of_numbers:
-        walk.require(_is_single(found, want), f"a single {_CALLED.get(want, want)}")
-    is_integer = isinstance(found, Primitive) and found.dtype[0] in "iu"
-    return FieldPath(tuple(arrays), walk.leaf, columns, components, int(mask or "0", 0), is_integer)
-
-
-class _Walk:
-    """How far a path has come in a definition."""
-
-    def __init__(self, definition: Struct) -> None:
-        self._type_name = short_type_name(definition.name)
-        self.found: FieldType = definition
-        self.path = ""
-        """From the message on."""
-        self.leaf = ""
-        """From the message, or the element of the last array, on."""
-
-    def enter(self, name: str) -> None:
-        """Go on to a field of a message."""
-        found = self.found
-        self.require(isinstance(found, Struct), "a single message")
+        name, brackets, first, last, width, length, or_more = match.groups()
+        path, leaf = (f"{each}.{name}".lstrip(".") for each in (path, leaf))
         fields = dict(found.fields) if isinstance(found, Struct) else {}
-        self.path, self.leaf = (f"{each}.{name}".lstrip(".") for each in (self.path, self.leaf))
         if name not in fields:
             raise DefinitionError(
-                f"the log's definition of {self._type_name} has no field {self.path!r}, "
-                "which is needed"
+                f"the log's definition of {short_type_name(definition.name)} has no field "
+                f"{path!r}, which is needed"
             )
-        self.found = fields[name]
+        found = fields[name]
+        if brackets:
+            begin = int(first or 0)
+            end = int(last) if last else begin + 1 if first and begin >= 0 else None
+            if isinstance(found, FixedArray) and found.length >= (end or 0):
+                is_fixed = isinstance(found.element, Primitive)
+            elif isinstance(found, VariableArray):
+                is_fixed = False
+            else:
+                raise _unfit(definition, path, part, found)
+            limits = begin, end, int(width or 1), int(length or 0), bool(or_more)
+            arrays.append(ArrayPart(leaf, is_fixed, *limits))
+            found, leaf = found.element, ""
+    components: str = ""
+    columns: Columns = (path,)
+    if arrays and not leaf and isinstance(found, Primitive):
+        fits = want == "number" or (want in {"xyz", "xyzw"} and bool(last))
+    elif want in {"xyz", "xyzw"}:
+        components, columns = want, tuple(f"{path}.{each}" for each in want)
+        inner = dict(found.fields) if isinstance(found, Struct) else {}
+        fits = all(isinstance(inner.get(each), Primitive) for each in want)
+    else:
+        fits = _is_single(found, want)
+    if not fits:
+        raise _unfit(definition, path, want, found)
+    is_integer = isinstance(found, Primitive) and found.dtype[0] in "iu"
+    return FieldPath(tuple(arrays), leaf, columns, components, int(mask or "0", 0), is_integer)
 
-    def array(self, match: re.Match[str], want: Want | None) -> ArrayPart:
-        """Go on to the elements of the array that was entered; return which are wanted.
 
-        Args:
-            match: of the part of the path with brackets.
-            want: None where the path goes on behind it.
-        """
-        _, _, first, last, width, length, or_more = match.groups()
-        begin, found = int(first or 0), self.found
-        end = int(last) if last else begin + 1 if first and begin >= 0 else None
-        kind: ArrayKind = "fixed" if isinstance(found, FixedArray) else "numbers"
-        if want == "text":
-            kind = "texts"
-        elif want is None or (want != "number" and not last):
-            kind = "messages"
-        shape, elements, expected = _ARRAYS[kind]
-        element = found.element if isinstance(found, FixedArray | VariableArray) else found
-        fits = isinstance(found, shape) and isinstance(element, elements)
-        fits &= not isinstance(found, FixedArray) or found.length >= (end or 0)
-        self.require(fits, expected.format(least=f"at least {end} " if end else ""))
-        path, self.found, self.leaf = self.leaf, element, ""
-        return ArrayPart(path, kind, begin, end, int(width or 1), int(length or 0), bool(or_more))
-
-    def require(self, fits: bool, expected: str) -> None:  # noqa: FBT001 - as an assertion
-        """Refuse a field that is not as it is expected."""
-        if not fits:
-            raise DefinitionError(
-                f"field {self.path!r} of {self._type_name} must be {expected}, but the log's "
-                f"definition has {type_text(self.found)}"
-            )
+def _unfit(definition: Struct, path: str, wanted: str, found: FieldType) -> DefinitionError:
+    return DefinitionError(
+        f"field {path!r} of {short_type_name(definition.name)} must be readable as {wanted}, but "
+        f"the log's definition has {type_text(found)}"
+    )
 
 
 def _is_single(found: FieldType, want: Want) -> bool:

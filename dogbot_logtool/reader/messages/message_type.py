@@ -6,18 +6,12 @@ Paths are in the language of `reader.decode.paths`. Beside that,
 - ``{}`` stands for the words of `each`, one a leg.
 """
 
-import re
 from collections.abc import Mapping
 from typing import Final, Literal, NamedTuple
 
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.reader.decode.paths import Want
 
-_PLANNED_WORDS: Final = (
-    r"(?<![a-z])(ref|reference|des|desired|plan|planned|planner|cmd|command|commanded|control|"
-    r"target|trajectory|traj|setpoint|mpc)(?![a-z])"
-)
-"""Words in the names of topics that tell what shall be."""
 Paths = str | tuple[str, ...]
 """A path, or one a leg."""
 
@@ -150,11 +144,6 @@ class MessageType(NamedTuple):
             return tuple(value.replace("{}", word) for word in self.each)
         return (value,) if value else ()
 
-    def is_planned(self, topic: str) -> bool:
-        """Tell whether a topic of this type tells what is planned and not what was measured."""
-        by_name = self.planned == "by name" and is_named_as_planned(topic)
-        return self.planned == "always" or by_name
-
 
 Part = Literal["feet", "base", "joints", "commands", "accelerations"]
 """What a row may tell of."""
@@ -177,8 +166,3 @@ WANTS: Final[Mapping[Part, Mapping[str, Want]]] = {
 """The fields of a row that are read of each part, and what they lead to."""
 COPIED: Final[tuple[Part, ...]] = ("feet", "base")
 """Parts that are read of any package: drivers copy messages into packages of their own."""
-
-
-def is_named_as_planned(topic: str) -> bool:
-    """Tell whether a topic's name says that it is a plan or a command."""
-    return re.search(_PLANNED_WORDS, topic.lower()) is not None

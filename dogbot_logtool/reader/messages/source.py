@@ -166,6 +166,8 @@ def _fitted(row: MessageType, part: Part, channel: Channel, given: Paths) -> Sou
         if paths := tuple(path for path in chosen if path is not None):
             found[field] = paths
     declared = [path for paths in found.values() for path in paths]
+    if part == "joints" and any(each.is_fixed for path in declared for each in path.arrays):
+        raise DefinitionError("its joints stand in arrays of a fixed length")
     if part == "feet" and row.pairs is not None:
         declared += [path_of(text, want, definition) for text, want in row.pairs.paths.items()]
     return Source(row, found, columns_of(declared), own_definition=own_because)

@@ -7,7 +7,6 @@ import numpy as np
 
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Float32s, Floats, Ints
-from dogbot_logtool.core.base.ground import height_over_feet
 from dogbot_logtool.core.base.motion import roll_and_pitch
 from dogbot_logtool.core.events import EventType
 from dogbot_logtool.core.metrics import Event
@@ -112,7 +111,7 @@ def motion(walk: Walk) -> Drawing | None:
 
 
 def _motion_rows(walk: Walk) -> Iterator[Row]:
-    base, feet = walk.base_history, [foot.record for foot in walk.feet]
+    base = walk.base_history
 
     def curve(name: str, value: Floats, hover: str, style: Trace = _FIRST) -> Line | None:
         return line_over_time(walk, name, (base.time, value), base.gaps, hover, style)
@@ -122,9 +121,9 @@ def _motion_rows(walk: Walk) -> Iterator[Row]:
         margin = line_over_time(walk, "static margin", points, base.gaps, "%{y:.0f} mm", _FIRST)
         yield from _row("margin (mm)", [margin], 20.0)
     yield from _row("speed (m/s)", [curve("speed forward", _speed(walk), "%{y:.3f} m/s")], 0.1)
-    if feet and not walk.base_clock_is_apart:
-        height = height_over_feet(base, feet)
-        yield from _row("height (m)", [curve("height over the feet", height, "%{y:.3f} m")], 0.02)
+    if walk.feet and not walk.base_clock_is_apart:
+        height = curve("height over the feet", walk.track.height_m, "%{y:.3f} m")
+        yield from _row("height (m)", [height], 0.02)
     roll, pitch = np.degrees(roll_and_pitch(base.angles, walk.settings.forward_rad))
     lines = (
         curve("roll", roll, "%{y:.1f} deg"),

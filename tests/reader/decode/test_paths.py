@@ -53,14 +53,18 @@ float64 w
 @pytest.mark.parametrize(
     ("text", "want", "words"),
     [
-        ("name", "number", "field 'name' of odd/State must be a single number"),
-        ("mode", "text", "must be a single string, but the log's definition has int8"),
-        ("mode", "time", "must be a single time"),
+        ("name", "number", "field 'name' of odd/State must be readable as number, but"),
+        ("mode", "text", "must be readable as text, but the log's definition has int8"),
+        ("mode", "time", "must be readable as time"),
         ("legs[].weight", "number", "has no field 'legs.weight', which is needed"),
-        ("name[]", "text", "must be a sequence of strings"),
-        ("loads[].x", "number", "must be an array of messages"),
-        ("legs[]", "number", "must be a sequence of numbers"),
-        ("loads[4]", "number", "must be a fixed array of at least 5 numbers"),
+        ("name[]", "text", "must be readable as name[]"),
+        ("loads[].x", "number", "has no field 'loads.x', which is needed"),
+        ("legs[]", "number", "must be readable as number, but the log's definition has odd/Leg"),
+        (
+            "loads[4]",
+            "number",
+            "must be readable as loads[4], but",
+        ),
     ],
 )
 def test_what_a_definition_does_not_have_is_refused(text: str, want: Want, words: str) -> None:
@@ -132,7 +136,7 @@ def test_paths_that_fit(path: str, width: int, *, is_integer: bool) -> None:
         ("dawn", "nearest are down (bool)"),
         ("legs[0].turn", "nearest are legs[].turn.x"),
         ("legs.force", "nearest are legs[].force"),
-        ("loads[4]", "at least 5 numbers"),
+        ("loads[4]", "must be readable as loads[4]"),
         ("", "is no path"),
         ("loads[-1]", "is no path"),
         ("loads[0]&1", "only integers have bits"),

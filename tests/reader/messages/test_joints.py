@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
 
@@ -164,6 +165,21 @@ def test_joints_without_names_are_numbered(tmp_path: Path) -> None:
         ("joint_0", "joint_1"),
         [[0.5, 0.25]],
     )
+
+
+def test_joints_in_a_fixed_array_are_not_read(tmp_path: Path) -> None:
+    walk = walks.Walk(1)
+    walk.store.fielddefs.pop(ROS)
+    text = "std_msgs/Header header\nstring[] name\nfloat64[2] position\nfloat64[] velocity\n"
+    walk.store.register(get_types_from_msg(f"{text}float64[] effort", ROS))
+    message = walk.make(ROS, header=walk.header(0, ""), position=np.array([0.5, 0.25]))
+    entry = walks.Entry("/joints", ROS, walks.START, walk.bytes_of(ROS, message))
+    walks.write_bag(tmp_path / "log.bag", walk, [entry])
+    with closing(open_log(tmp_path / "log.bag")) as log:
+        (channel,) = log.channels.values()
+        source = source_of(channel, "joints")
+    assert source
+    assert source.fault == "its joints stand in arrays of a fixed length"
 
 
 @pytest.mark.parametrize("encoding", ["protobuf", "json"])
