@@ -9,12 +9,8 @@ from typing import Any, Final
 import pytest
 from rosbags.rosbag2.enums import StoragePlugin
 
-from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.options.convert import ConvertOptions
+import dogbot_logtool as dl
 from dogbot_logtool.reader.workers import Start
-from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.oracles.annotated_file import read_written
 from tests.oracles.recorded import out_of_order, unpacked
@@ -35,8 +31,7 @@ def messages(ros: int) -> Walked:
 
 
 def figures(path: Path, jobs: int = 1) -> dict[str, Any]:
-    found = measure(path, MeasureOptions(jobs=jobs))
-    document: dict[str, Any] = stats_json(found)
+    document = dl.measure(path, jobs=jobs).stats
     del document["log"]
     kept = [each for each in document["findings"] if each["code"] != "OUT_OF_ORDER"]
     return {**document, "findings": kept}
@@ -80,8 +75,7 @@ Annotation = tuple[str, int, int, bytes]
 def annotations(folder: Path, log: Path, encoding: str, jobs: int = 1) -> list[Annotation]:
     """Every message that is added to a log."""
     target = folder / "annotated.mcap"
-    options = ConvertOptions(encoding=encoding, copy=False, jobs=jobs, overwrite=True)
-    convert(log, target, options)
+    dl.convert(log, target, encoding=encoding, copy=False, jobs=jobs, overwrite=True)
     written = read_written(target)
     return sorted(
         (written.channels[each.channel_id].topic, each.log_time, each.publish_time, each.data)

@@ -16,7 +16,7 @@ import click
 from dogbot_logtool.cli import note, say, say_damage
 from dogbot_logtool.errors import DAMAGED, CallError, LogtoolError
 from dogbot_logtool.io.output import whole_file
-from dogbot_logtool.io.plain_json import readable_json
+from dogbot_logtool.io.plain_json import to_json
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 from dogbot_logtool.option import options_of
 from dogbot_logtool.options import JobOptions, MeasureOptions, QuietOptions
@@ -181,7 +181,8 @@ class Call:
             note(text)
         count = len(self._results)
         if as_json:
-            click.echo(readable_json(self._results[0] if count == 1 else self._results))
+            results = self._results[0] if count == 1 else self._results
+            click.echo(to_json(results, indent=2))
         if self.failures and count == 1:
             say(self.failures[0][1])
         elif self.failures:

@@ -179,10 +179,10 @@ def _topics(
     uses |= dict.fromkeys(ours, "annotation")
     uses |= dict.fromkeys(frames.channels if frames else (), "frames")
     uses |= {channel.id: _base_use(selection) for channel in selection.odometry}
-    for number, feet in selection.feet_of.items():
+    for channel, feet in selection.feet_of.items():
         names = ", ".join(selection.robot.feet[foot].name for foot in feet)
-        planned = "planned " if is_planned(log.channels[number]) else ""
-        uses[number] = f"{planned}{'foot' if len(feet) == 1 else 'feet'} {names}"
+        planned = "planned " if is_planned(channel) else ""
+        uses[channel.id] = f"{planned}{'foot' if len(feet) == 1 else 'feet'} {names}"
     groups: dict[tuple[str, str, str], list[int]] = {}
     for channel in log.channels.values():
         key = (channel.topic, channel.type_name, channel.message_encoding)

@@ -21,7 +21,14 @@ from typing import Any, Final, Literal, NamedTuple, TypeGuard, get_args
 from dogbot_logtool.core.events import EventType
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.finding import Severity, finding_kinds
-from dogbot_logtool.io.toml_table import parse_toml, read_text, shortened, toml_number
+from dogbot_logtool.io.toml_table import (
+    NOT_NEGATIVE,
+    NUMBER,
+    checked,
+    parse_toml,
+    read_text,
+    shortened,
+)
 
 Subject = Literal["figure", "finding", "event"]
 """Subject of a rule; a figure is a metric."""
@@ -182,12 +189,12 @@ def _value(key: str, value: Any, where: str) -> Any:  # noqa: ANN401 - any TOML 
         case (("figure" | "finding" | "event" | "where" | "name"), str()) if value:
             return value
         case (("at_least" | "at_most" | "equals"), _):
-            return toml_number(value, where)
-        case "between", [low, high] if toml_number(low, where) <= toml_number(high, where):
+            return checked(value, NUMBER, where)
+        case "between", [low, high] if checked(low, NUMBER, where) <= checked(high, NUMBER, where):
             return low, high
         case "baseline", dict() if value and not value.keys() - {"by", "by_percent"}:
             return Deviation(
-                **{n: toml_number(each, f"{where}.{n}", 0.0) for n, each in value.items()}
+                **{n: checked(each, NOT_NEGATIVE, f"{where}.{n}") for n, each in value.items()}
             )
     raise CallError(f"{where} is {shortened(value)}; it must be {_WANTED.get(key, 'a text')}")
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.io.toml_table import parse_toml, read_text, toml_number
+from dogbot_logtool.io.toml_table import NOT_NEGATIVE, checked, parse_toml, read_text
 
 _DEFAULT: Final = "default"
 
@@ -119,5 +119,7 @@ def _tolerance(where: str, name: str, table: Any) -> Tolerance:  # noqa: ANN401 
     fields = table.get("fields", ["*"] if name == _DEFAULT else [])
     if not isinstance(fields, list) or not fields or not all(isinstance(f, str) for f in fields):
         raise CallError(f"{where}.fields must be a list of globs: which fields is it for?")
-    atol, rtol = (toml_number(table.get(key, 0), f"{where}.{key}", 0.0) for key in ("atol", "rtol"))
-    return Tolerance(atol, rtol, tuple(fields))
+    numbers = {
+        key: checked(table.get(key, 0), NOT_NEGATIVE, f"{where}.{key}") for key in ("atol", "rtol")
+    }
+    return Tolerance(**numbers, fields=tuple(fields))

@@ -46,11 +46,13 @@ def refuse_bad_target(
     """
     try:
         if isinstance(target, Path):
-            is_there = _is_there(target)
-            is_input = is_there and any(_is_file(target, source) for source in inputs)
             folder = next(filter(Path.exists, target.parents), target)
             if folder.is_file():
                 raise CallError(f"{folder}: is a file, not a folder")
+            is_there = os.path.lexists(target)
+            if is_there:
+                storage.refuse_special(target)
+            is_input = is_there and any(_is_file(target, source) for source in inputs)
         else:
             is_input = target in inputs
             is_there = not overwrite and storage.exists(target)
@@ -61,21 +63,6 @@ def refuse_bad_target(
         raise CallError(f"{name}: is the input itself; choose another output")
     if is_there and not overwrite:
         raise CallError(f"{name}: exists already; --overwrite replaces it, or name another")
-
-
-def _is_there(target: Path) -> bool:
-    """Tell whether there is a file, or a link to one.
-
-    Raises:
-        CallError: it is no regular file.
-        OSError: it is a link to nothing, or this cannot be found out.
-    """
-    try:
-        target.lstat()
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    storage.refuse_special(target)
-    return True
 
 
 def _is_file(target: Path, source: Location) -> bool:

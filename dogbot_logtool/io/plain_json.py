@@ -26,25 +26,6 @@ def to_json(value: Json, *, indent: int | None = None, compact: bool = False) ->
         return write(only_finite(value))
 
 
-def readable_json(value: Json) -> str:
-    """Write a value over several lines; what holds only single values stands in one."""
-    return _lines(only_finite(value), "")
-
-
-def _lines(value: Json, margin: str) -> str:
-    parts = value.values() if isinstance(value, Mapping) else value
-    if not isinstance(value, Mapping | list) or not any(
-        isinstance(each, Mapping | list) and each for each in parts
-    ):
-        return json.dumps(value, allow_nan=False)
-    inner = margin + " "
-    if isinstance(value, Mapping):
-        lines = [f"{json.dumps(key)}: {_lines(each, inner)}" for key, each in value.items()]
-        return f"{{\n{inner}" + f",\n{inner}".join(lines) + f"\n{margin}}}"
-    lines = [_lines(each, inner) for each in value]
-    return f"[\n{inner}" + f",\n{inner}".join(lines) + f"\n{margin}]"
-
-
 def only_finite(value: Json) -> Json:
     """Return a copy with None for every number that is not finite."""
     if isinstance(value, float):

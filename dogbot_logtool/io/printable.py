@@ -7,7 +7,6 @@ import contextlib
 import errno
 import io
 import os
-import re
 import shlex
 import sys
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,8 +14,6 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final, TextIO, cast
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
-
-_LAYOUT: Final = re.compile("([\n\t])")
 
 MOST: Final = 10
 
@@ -30,11 +27,8 @@ def printable(text: str) -> str:
 
 def printable_lines(text: str) -> str:
     """Return the text with control characters as visible escapes; line breaks and tabs stay."""
-    if text.replace("\n", "").replace("\t", "").isprintable():
-        return text
-    return "".join(
-        each if each in {"\n", "\t"} else printable(each) for each in _LAYOUT.split(text)
-    )
+    lines = (map(printable, line.split("\t")) for line in text.split("\n"))
+    return "\n".join(map("\t".join, lines))
 
 
 def shell_quoted(word: str) -> str:

@@ -13,7 +13,8 @@ from dogbot_logtool.io.storage import content
 
 _LARGEST: Final = 256 << 10
 """Bytes; a file that a person wrote has some thousands."""
-_MOST: Final = 1e300
+_MOST: Final = 1e12
+"""Of numbers: no bytes, newtons or seconds are more."""
 _LONGEST_VALUE: Final = 60
 """Characters of a value that a sentence shows."""
 _LONG_KEY: Final = re.compile(
@@ -69,20 +70,6 @@ def shortened(value: object) -> str:
     return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}..."
 
 
-def toml_number(value: object, where: str, least: float = -_MOST) -> float:
-    """Return a value that must be a finite number, at least so large.
-
-    Raises:
-        CallError: it is none; the sentence begins with `where`.
-    """
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise CallError(f"{where} is {shortened(value)}; it must be a number")
-    if not least <= value < _MOST:
-        wanted = "a finite number" if least < 0.0 else f"a finite number, {least:g} or more"
-        raise CallError(f"{where} is {shortened(value)}; it must be {wanted}")
-    return float(value)
-
-
 def by_key(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Return the values of a table and of those in it by their dotted keys: ``contact.on_n``."""
     found: dict[str, Any] = {}
@@ -104,7 +91,7 @@ class Kind(NamedTuple):
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _MOST
 
 
 def _is_vector(value: object) -> bool:
@@ -117,7 +104,7 @@ def _is_frame(value: object) -> bool:
 
 TEXT: Final = Kind("a text", lambda value: isinstance(value, str))
 FRAME: Final = Kind("a frame name without a leading slash", _is_frame)
-NUMBER: Final = Kind("a number", _is_number, float)
+NUMBER: Final = Kind("a finite number", _is_number, float)
 POSITIVE: Final = Kind("a number above 0", lambda value: _is_number(value) and value > 0, float)
 NOT_NEGATIVE: Final = Kind("a number from 0", lambda value: _is_number(value) and value >= 0, float)
 NOT_ZERO: Final = Kind("a number other than 0", lambda value: _is_number(value) and value, float)

@@ -42,19 +42,16 @@ class WantedVectors(NamedTuple):
 class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
-    contacts: tuple[Channel, ...]
     feet: FootChannels
     base: Base | None = None
     """How the base's poses are read; None: there are none."""
-    base_channels: tuple[Channel, ...] = ()
     transforms: tuple[Channel, ...] = ()
     joints: tuple[Channel, ...] = ()
     """Of joint states, the best first."""
     commands: WantedVectors | None = None
     accelerations: WantedVectors | None = None
-    planned: tuple[Channel, ...] = ()
+    planned: FootChannels | None = None
     """Channels of contacts that a plan has for the same feet."""
-    planned_feet: FootChannels | None = None
     draws_states: bool = False
     """Whether arrows are made of contact states as they are recorded."""
     limits: TimeLimits = (None, None)
@@ -99,14 +96,12 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     for channel, rows in rows_by_group(batch.messages.channel):
         part.columns["times", channel].append(batch.messages.log_time[rows])
     base = _add_base(part, wanted, batch)
-    contacts = read_contacts(batch, wanted.contacts, wanted.feet)
+    contacts = read_contacts(batch, wanted.feet)
     for read in contacts:
         _add_contacts(part, read, len(wanted.feet.feet))
         if wanted.draws_states and read.pairs is not None:
             _add_arrows(part, read.pairs.contacts)
-    planned: Sequence[ReadContacts] = ()
-    if wanted.planned_feet is not None:
-        planned = read_contacts(batch, wanted.planned, wanted.planned_feet)
+    planned = read_contacts(batch, wanted.planned) if wanted.planned else []
     for read in planned:
         _add_samples(part, "planned", read.samples, len(wanted.feet.feet))
     for topic, stamps in _stamped(log, wanted, base, [*contacts, *planned]):
@@ -123,7 +118,7 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
 
 
 def _add_base(part: Part, wanted: Wanted, batch: Batch) -> list[BasePoses]:
-    base = wanted.base.read(batch, wanted.base_channels) if wanted.base else []
+    base = wanted.base.read(batch) if wanted.base else []
     poses, implausible = plausible(concatenate_odometry([each.poses for each in base]))
     part.columns["base", ONLY].append(poses)
     part.counts["implausible", ONLY] += implausible

@@ -58,14 +58,6 @@ _NO_NAMES: Final = (
 _SURE, _PERHAPS, _NEVER = 0, 1, 2
 
 
-class ChosenBase(NamedTuple):
-    """The base of a log, and the robot with the frames that it names."""
-
-    robot: Robot
-    channels: tuple[Channel, ...] = ()
-    base: Base | None = None
-
-
 class _Candidate(NamedTuple):
     """Poses that may be the base's."""
 
@@ -103,7 +95,7 @@ class _Candidate(NamedTuple):
 
 def choose_base(
     log: Log, robot: Robot, findings: list[Finding], feet: Collection[str], *, is_asked: bool
-) -> ChosenBase:
+) -> tuple[Robot, Base | None]:
     """Choose the base's poses of a log, and say which, what else there is, and what to know.
 
     Args:
@@ -145,7 +137,7 @@ def choose_base(
         is_there = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
         poses = f", unless these poses are the base's: {_options(own)}" if own else ""
         findings.append(found("NO_BASE", say="unread" if is_there else "plain", poses=poses))
-        return ChosenBase(robot)
+        return robot, None
     best, *others = own
     text = f"the base's poses are taken from {best.name} ({best.row.name})"
     text += f", since the robot's {named} is missing or cannot be used" if named else ""
@@ -193,7 +185,9 @@ def _at_path(channels: Sequence[Channel], path: str) -> Topic:
     return Topic(channels[0].topic, source, tuple(own))
 
 
-def _chosen(robot: Robot, candidate: _Candidate, findings: list[Finding]) -> ChosenBase:
+def _chosen(
+    robot: Robot, candidate: _Candidate, findings: list[Finding]
+) -> tuple[Robot, Base | None]:
     """Return what is read of a candidate, with findings about what its poses are."""
     topic, row = candidate.topic, candidate.row
     if candidate.is_planned:
@@ -208,7 +202,7 @@ def _chosen(robot: Robot, candidate: _Candidate, findings: list[Finding]) -> Cho
         if "footprint" in child:
             text = f"{child} is the base's projection on the ground: height, roll and pitch are "
             findings.append(Finding("TOPICS_CHOSEN", f"{text}those of the ground", topic.name))
-    return ChosenBase(robot, topic.channels, Base(topic.source, candidate.element))
+    return robot, Base(topic.source, topic.channels, candidate.element)
 
 
 def _options(candidates: Sequence[_Candidate]) -> str:

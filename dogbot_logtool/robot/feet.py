@@ -1,6 +1,6 @@
 """Which topics are a robot's feet: by the user's word, by the robot's file, else by names."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import Final
@@ -28,8 +28,6 @@ from dogbot_logtool.robot.topics import (
 )
 from dogbot_logtool.robot.words import Part, parts_of
 
-_MOST_OFFERED: Final = 16
-"""Sets of topics of a type that are looked at more closely."""
 _JOINT_FOOT: Final = "sensor_msgs/JointState"
 """Type of messages of joints and feet; the velocities of the feet are planned contacts."""
 _JOINTS: Final = 12
@@ -147,26 +145,33 @@ def find_feet(log: Log, robot: Robot, findings: list[Finding]) -> tuple[Robot, S
     """
     named = {foot.topic for foot in robot.feet if foot.field is not None}
     topics = {*names_of(log, "feet"), *named & log.channels_by_topic.keys()}
-    by_names, offered, told = _feet_by_names(log)
+    best, offered = _feet_by_names(log)
     if any(foot.topic in topics for foot in robot.feet):
         feet = tuple(_with_element(log, foot, findings) for foot in robot.feet)
         silent = (foot for foot in feet if foot.topic not in log.channels_by_topic)
         findings += (_missing("no_topic", foot.topic, foot.name) for foot in silent)
-        unnamed = _unnamed(by_names, feet)
+        unnamed = _unnamed(best.feet if best else (), feet)
         for foot in unnamed:
             values = {"topic": foot.topic, "robot": robot.name, "call": foot_options([foot])}
             findings.append(found("NO_MESSAGES", say="unnamed", **values))
         # Their messages are not read, so that what rests on all feet is not known.
         missing = (replace(foot, topic="", element=None, label="") for foot in unnamed)
         return replace(robot, feet=(*feet, *missing)), ()
-    findings += told
-    if not by_names and not offered:
+    if best is not None:
+        words = ", ".join(f"{foot.name} = {foot.topic}" for foot in best.feet)
+        findings.append(Finding("TOPICS_CHOSEN", f"feet are found by type and name: {words}"))
+        findings += [_missing("unlike", name, name) for name in best.missing]
+        # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
+        added = [Foot(name, "", leg_position=leg_position(name)) for name in best.missing]
+        both = (*best.feet, *added)
+        return replace(robot, feet=_front_to_back(both) if added else both), ()
+    if not offered:
         is_recorded = any(source_of(channel, "feet") for channel in log.channels.values())
         say = "unlike" if topics else "unread" if is_recorded else "no_topics"
         names = sorted(topics)
         topic = shell_quoted(names[0]) if names else ""
         findings.append(found("NO_FEET", say=say, topics=listed(names), topic=topic))
-    return replace(robot, feet=by_names), () if by_names else offered
+    return replace(robot, feet=()), offered
 
 
 def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
@@ -179,8 +184,8 @@ def _unnamed(found: Sequence[Foot], feet: Sequence[Foot]) -> list[Foot]:
     return [] if names.intersection(foot.name for foot in others) else others
 
 
-def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[Finding]]:
-    """Return the feet that types and names of topics tell, what else may be, and what is said.
+def _feet_by_names(log: Log) -> tuple[FootSet | None, list[FootSet]]:
+    """Return the feet that types and names of topics tell, and what else may be.
 
     Of several types, the first that tells of all feet is used, else the first that tells of some;
     measured ones are better than planned ones.
@@ -200,16 +205,8 @@ def _feet_by_names(log: Log) -> tuple[tuple[Foot, ...], Sequence[FootSet], list[
             best = chosen
             if not best.missing:
                 break
-        offered.extend(possible[:_MOST_OFFERED])
-    if best is None:
-        return (), offered, []
-    words = ", ".join(f"{foot.name} = {foot.topic}" for foot in best.feet)
-    findings = [Finding("TOPICS_CHOSEN", f"feet are found by type and name: {words}")]
-    findings += [_missing("unlike", name, name) for name in best.missing]
-    # A foot that none tells of stays a foot of the robot: what all feet carry is not known.
-    missing = [Foot(name, "", leg_position=leg_position(name)) for name in best.missing]
-    feet = (*best.feet, *missing)
-    return (tuple(sorted(feet, key=front_to_back)) if missing else feet), offered, findings
+        offered.extend(possible)
+    return best, offered
 
 
 def _by_type(log: Log) -> list[list[Topic]]:
@@ -250,47 +247,44 @@ def _with_element(log: Log, foot: Foot, findings: list[Finding]) -> Foot:
 
 def feet_of_messages(log: Log, topic: Topic) -> tuple[Foot, ...]:
     """Return the feet that a topic's messages tell of; none where they are not about feet."""
-    for channel in topic.channels:
-        if found := _feet_told(log, channel, topic.source):
-            return _named_feet(found, topic.name)
-    return ()
-
-
-def _feet_told(log: Log, channel: Channel, source: Source) -> Sequence[Foot]:
-    """Return the feet of the legs of a type, or else those in a channel's first messages."""
-    found = [Foot(leg, "") for leg in source.row.legs]
-    if found and not source.row.maybe_without_legs:
-        return found
-    seen = [feet_in(source, each) for each in first_messages(log, channel, source.columns)]
-    labelled = {foot.label: foot for feet in seen for foot in feet if foot.label}
-    if not labelled:
-        return max(seen, key=len, default=[])
+    row, columns = topic.source.row, topic.source.columns
+    if row.legs and not row.maybe_without_legs:
+        return _at_legs(row.legs, topic)
+    first = (each for c in topic.channels for each in first_messages(log, c, columns))
+    seen = [feet_in(topic.source, each) for each in first]
+    if not row.label:
+        return _at_legs(max(seen, key=len, default=()), topic)
     # Hands, wheels, tools ... are left out where other labels say that they are feet.
-    parts = {label: parts_of([label]) for label in sorted(labelled)}
+    parts = {label: parts_of([label]) for label in sorted({each for own in seen for each in own})}
     legs = {label for label, own in parts.items() if own & {Part.FOOT, Part.LEG}}
     kept = [label for label, own in parts.items() if label in legs or Part.NOT_A_FOOT not in own]
-    return [labelled[label] for label in (kept if legs else parts)]
-
-
-def _named_feet(found: Sequence[Foot], topic: str) -> tuple[Foot, ...]:
-    """Return the feet of a topic's messages with names and leg positions, front to back."""
-    labelled = label_names([foot.label for foot in found])
-    names = [foot.name or each.name for foot, each in zip(found, labelled, strict=True)]
+    named = label_names(kept if legs else [*parts])
+    names = [foot.name for foot in named]
     feet = []
-    for element, (foot, name, each) in enumerate(zip(found, names, labelled, strict=True)):
-        own = name if names.count(name) == 1 else foot.label or f"{name}_{element + 1}"
-        position = leg_position(name) or each.leg_position
-        told = replace(foot, name=own, topic=topic, leg_position=position, element=element)
+    for element, foot in enumerate(named):
+        name = foot.name if names.count(foot.name) == 1 else foot.topic
+        told = replace(foot, name=name, topic=topic.name, label=foot.topic, element=element)
         feet.append(told)
-    return tuple(sorted(feet, key=front_to_back))
+    return _front_to_back(feet)
 
 
-def front_to_back(foot: Foot) -> tuple[int, int, str]:
-    """Sort feet front to back, left before right."""
-    if foot.leg_position is None:
-        return len(ORDER), 0, foot.name
-    end, side = ((*ORDER, each).index(each) for each in foot.leg_position)
-    return end, side, foot.name
+def _at_legs(legs: Sequence[str], topic: Topic) -> tuple[Foot, ...]:
+    """Return the feet of legs that messages tell of in this order."""
+    return _front_to_back(
+        Foot(leg, topic.name, leg_position=leg_position(leg), element=element)
+        for element, leg in enumerate(legs)
+    )
+
+
+def _front_to_back(feet: Iterable[Foot]) -> tuple[Foot, ...]:
+    """Sort feet front to back, left before right; those of unknown legs stand behind."""
+    order = (*ORDER, "centre", "")
+
+    def key(foot: Foot) -> tuple[int, int, str]:
+        end, side = foot.leg_position or ("", "")
+        return order.index(end), order.index(side), "" if end else foot.name
+
+    return tuple(sorted(feet, key=key))
 
 
 def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:

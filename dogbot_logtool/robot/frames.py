@@ -76,7 +76,7 @@ def read_frames(
     foxglove = [c for c in log.channels.values() if c.type_name in FOXGLOVE_TYPES]
     readable = [channel for channel in foxglove if channel.message_encoding in OBJECT_ENCODINGS]
     channels = {channel.id: channel for channel in (*ros_channels, *readable)}
-    wanted = Wanted((), FootChannels((), {}), transforms=tuple(channels.values()))
+    wanted = Wanted(FootChannels((), {}), transforms=tuple(channels.values()))
     spans = log.grouped(log.chunks_of(channels.keys()))
     read = read_recording(log, wanted, jobs, progress, spans)
     losses = (*read.losses, *malformed_messages(channels, read.malformed))

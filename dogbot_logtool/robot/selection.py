@@ -33,7 +33,6 @@ from dogbot_logtool.robot.topics import (
     has_field,
     names_of,
     offer_finding,
-    own_definition_findings,
     readable_source,
     split_topic,
     topics_of,
@@ -47,11 +46,8 @@ class Selection(NamedTuple):
 
     robot: Robot
     """With the feet that the log has, and their topics."""
-    odometry: tuple[Channel, ...]
-    """The source of the base's poses."""
-    contacts: tuple[Channel, ...]
-    feet_of: Mapping[int, tuple[int, ...]]
-    """Indices of the feet in `robot.feet` by channel id."""
+    feet_of: Mapping[Channel, tuple[int, ...]]
+    """Indices in `robot.feet` of the feet that each channel of contacts tells of."""
     transforms: tuple[Channel, ...]
     """The log's own ``/tf`` and ``/tf_static``."""
     findings: tuple[Finding, ...]
@@ -69,6 +65,16 @@ class Selection(NamedTuple):
     """Whether the base's poses are worked out from the legs."""
 
     @property
+    def contacts(self) -> tuple[Channel, ...]:
+        """Channels of contacts."""
+        return tuple(self.feet_of)
+
+    @property
+    def odometry(self) -> tuple[Channel, ...]:
+        """Channels of the base's poses."""
+        return self.base.channels if self.base else ()
+
+    @property
     def has_base(self) -> bool:
         """Whether there are poses of the base, recorded or worked out."""
         return bool(self.odometry) or self.base_from_legs
@@ -81,10 +87,7 @@ class Selection(NamedTuple):
     @property
     def base_name(self) -> str | None:
         """Name of the base's poses, as ``--odom-topic`` takes it; None: there are none."""
-        if self.base is None or not self.odometry:
-            return None
-        topic, element = self.odometry[0].topic, self.base.element
-        return f"{topic}:{element}" if element else topic
+        return self.base.name if self.base else None
 
     @property
     def sources(self) -> tuple[Source, ...]:
@@ -95,17 +98,13 @@ class Selection(NamedTuple):
 
     def sources_of(self, foot: int) -> tuple[Source, ...]:
         """Return how the contact messages are read that tell of a foot."""
-        own = tuple(c for c in self.contacts if foot in self.feet_of[c.id])
-        return self._replace(contacts=own).sources
+        own = {channel: feet for channel, feet in self.feet_of.items() if foot in feet}
+        return self._replace(feet_of=own).sources
 
     def wanted(self) -> Wanted:
         """Return what is read of base, feet and frames."""
-        feet = self.foot_channels()
-        return Wanted(self.contacts, feet, self.base, self.odometry, self.transforms)
-
-    def foot_channels(self) -> FootChannels:
-        """Return what reading contacts needs."""
-        return FootChannels(self.robot.feet, self.feet_of)
+        feet = FootChannels(self.robot.feet, self.feet_of)
+        return Wanted(feet, self.base, self.transforms)
 
 
 def select_topics(log: Log, options: RobotOptions) -> Selection:
@@ -126,8 +125,11 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     possible = find_candidates(log) if not (feet_of or unsure) else []
     offers = [*unsure, *possible]
     of_robot = {foot.topic for foot in (offers[0].feet if offers else robot.feet)}
-    chosen = choose_base(log, robot, findings, of_robot, is_asked=options.odom_topic is not None)
-    used = {channel.topic for channel in (*feet_of, *chosen.channels)}
+    robot, base = choose_base(
+        log, robot, findings, of_robot, is_asked=options.odom_topic is not None
+    )
+    poses = base.channels if base else ()
+    used = {channel.topic for channel in (*feet_of, *poses)}
     known = {split_topic(topic, log.channels_by_topic)[0] for topic in named.topics}
     if options.robot is not None and known and known.isdisjoint(used):
         findings.append(found("ROBOT_GUESSED", "absent", robot=robot.name))
@@ -139,18 +141,15 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
         for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
         if channel.type_name in TRANSFORM_TYPES and readable_source(channel, "base")
     ]
-    findings += contact_findings(feet_of, chosen.robot)
-    findings += unreadable_findings(log, chosen.channels, [*feet_of])
-    findings += own_definition_findings([*chosen.channels, *feet_of, *transforms])
+    findings += contact_findings(feet_of, robot)
+    findings += unreadable_findings(log, feet_of, poses, transforms)
     return Selection(
-        chosen.robot,
-        chosen.channels,
-        tuple(feet_of),
-        {channel.id: feet for channel, feet in feet_of.items()},
+        robot,
+        feet_of,
         tuple(transforms),
         tuple(dict.fromkeys(findings)),
         tuple(possible),
-        base=chosen.base,
+        base=base,
         robot_is_guessed=options.robot is None,
     )
 

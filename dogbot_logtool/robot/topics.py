@@ -14,11 +14,9 @@ from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log, damage_of
 from dogbot_logtool.reader.decode.paths import Columns
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.reader.part import WantedVectors
@@ -173,10 +171,8 @@ def require_topic(
         )
     from difflib import get_close_matches  # noqa: PLC0415 - for wrong calls only
 
-    # The slash at the beginning is forgotten most often.
-    close = [one for one in usable if one.strip("/") == topic.strip("/")]
-    close = close or get_close_matches(topic, usable[:_COMPARED], n=3)
-    meant = f"; did you mean {' or '.join(close)}?" if close else "."
+    close = get_close_matches(topic, usable[:_COMPARED], n=1)
+    meant = f"; did you mean {close[0]}?" if close else "."
     raise CallError(f"{where}: the log has no topic {topic}{meant} {can_be_used}")
 
 
@@ -318,36 +314,45 @@ def call_of(log: Log, options: RobotOptions) -> str:
 
 
 def unreadable_findings(
-    log: Log, odometry: Sequence[Channel], contacts: Sequence[Channel]
+    log: Log, feet: Collection[Channel], poses: Collection[Channel], transforms: Iterable[Channel]
 ) -> Iterator[Finding]:
-    """Say which topics of types that could be used cannot be decoded, once for every reason.
+    """Say which topics cannot be decoded, and for which our definition stands in for the log's.
 
     It is an error where no odometry, or no foot, is left.
 
     Args:
         log: the log.
-        odometry: channels that are used.
-        contacts: channels that are used.
+        feet: channels of feet that are used.
+        poses: those of the base.
+        transforms: those of frames.
     """
-    lost: dict[tuple[str, str], set[str]] = {}
+    used = {channel.id for channel in (*feet, *poses, *transforms)}
+    topics_of_text: dict[tuple[str, str], set[str]] = {}
     for channel in log.channels.values():
-        is_base = channel.type_name in {ODOMETRY_TYPE, *TRANSFORM_TYPES}
-        source = source_of(channel, "base" if is_base else "feet")
-        case, encoding = "one_topic", channel.message_encoding
-        if source is not None and source.fault:
-            # Messages that can be about anything need not be about feet.
-            is_needed = not source.row.anything and not contacts
-            if is_base:
-                is_needed = channel.type_name == ODOMETRY_TYPE and not odometry
-            case, text = "" if is_needed else case, source.fault + _NOT_USED
-        elif encoding in SERIALISATIONS or channel.type_name.startswith("foxglove.") or contacts:
-            continue
-        else:
-            case = "not_needed"
+        cases: dict[str, str] = {}
+        sources = source_of(channel, "feet"), source_of(channel, "base")
+        for source, has_other in zip(sources, (feet, poses), strict=True):
+            if source is None:
+                continue
+            # Messages that can be about anything need not be about feet or the base.
+            is_asked = not (source.row.anything or source.row.choose)
+            if source.fault and (source is sources[0] or not (sources[0] or source.row.anything)):
+                is_needed = is_asked and not has_other
+                cases[source.fault + _NOT_USED] = "" if is_needed else "one_topic"
+            elif source.own_definition and channel.id in used:
+                text = f"{source.own_definition}; the one that comes with dogbot-logtool is used"
+                cases[text] = "own_definition"
+        encoding = channel.message_encoding
+        is_known = encoding in SERIALISATIONS or channel.type_name.startswith("foxglove.")
+        if not (any(sources) or is_known or feet):
             text = f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
-        lost.setdefault((case, text), set()).add(channel.topic)
-    for (case, text), topics in sorted(lost.items()):
-        yield _about(topics, text, (case,) if case else ())
+            cases[text] = "not_needed"
+        for text, case in cases.items():
+            topics_of_text.setdefault((case, text), set()).add(channel.topic)
+    for (case, text), topics in sorted(topics_of_text.items()):
+        where = min(topics) if len(topics) == 1 else ""
+        told = f"{listed(sorted(topics))}: {text}"
+        yield Finding("UNREADABLE", told, where, cases=(case,) if case else ())
 
 
 def contact_findings(feet_of: Mapping[Channel, tuple[int, ...]], robot: Robot) -> Iterator[Finding]:
@@ -385,24 +390,6 @@ def not_calibrated(
         say, told = "given", f"{counts:.6g}"
     finding = found("NO_FORCE", "counts", say=say, type=name, names=", ".join(names), told=told)
     return replace(finding, feet=names)
-
-
-def own_definition_findings(used: Iterable[Channel]) -> Iterator[Finding]:
-    """Say for which of the used channels this program's definition stands in for the log's."""
-    topics: dict[str, set[str]] = {}
-    for channel in used:
-        for source in (source_of(channel, "feet"), source_of(channel, "base")):
-            if source and source.own_definition:
-                topics.setdefault(source.own_definition, set()).add(channel.topic)
-    for because, own in sorted(topics.items()):
-        text = f"{because}; the one that comes with dogbot-logtool is used"
-        yield _about(own, text, ("own_definition",))
-
-
-def _about(topics: Collection[str], text: str, cases: tuple[str, ...]) -> Finding:
-    named = sorted(topics)
-    where = named[0] if len(named) == 1 else ""
-    return Finding("UNREADABLE", f"{listed(named)}: {text}", where, cases=cases)
 
 
 def nothing_to_do(log: Log, findings: Sequence[Finding]) -> str:

@@ -164,13 +164,12 @@ def _read_fields(log: Log, sets: Sequence[FootSet]) -> Mapping[str, Samples]:
         for word, foot in {foot.word: foot for one in sets for foot in one.feet}.items()
         if foot.field
     ]
-    of_channel: dict[int, tuple[int, ...]] = {}
+    of_channel: dict[Channel, tuple[int, ...]] = {}
     for channel in log.channels.values():
         if told := tuple(n for n, foot in enumerate(feet) if has_field(channel, foot)):
-            of_channel[channel.id] = told
-    channels = tuple(log.channels[number] for number in of_channel)
-    wanted = Wanted(channels, FootChannels(feet, of_channel))
-    spans = log.grouped(log.chunks_of(of_channel.keys()))
+            of_channel[channel] = told
+    wanted = Wanted(FootChannels(feet, of_channel))
+    spans = log.grouped(log.chunks_of({channel.id for channel in of_channel}))
     columns = read_recording(log, wanted, 1, spans=spans).recording.feet
     return {foot.name: samples for foot, samples in zip(feet, columns, strict=True)}
 

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from mcap.reader import make_reader
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
 from tests.forked_cli import run, run_on_terminal
+from tests.oracles.recorded import read_log
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, WALK
 from tests.shell import Shell
@@ -49,24 +49,19 @@ def _in_toml(text: str) -> str:
 
 def _write_hostile(path: Path) -> None:
     """Copy the walk's first seconds with other topics, and with frames of the same length."""
-    with WALK.open("rb") as source, path.open("wb") as target:
+    with path.open("wb") as target:
         writer = McapWriter(target, compression=CompressionType.NONE)
         writer.start(profile=f"ros1{EVIL}")
-        channels: dict[int, int] = {}
-        begin = None
-        for schema, channel, message in make_reader(source).iter_messages():
-            assert schema is not None
-            begin = begin or message.log_time
-            if message.log_time > begin + SECONDS * 10**9:
-                break
-            if channel.id not in channels:
-                number = writer.register_schema(schema.name, schema.encoding, schema.data)
-                topic = channel.topic.replace("dogbot", EVIL)
-                channels[channel.id] = writer.register_channel(
-                    topic, channel.message_encoding, number
-                )
-            data = message.data.replace(b"base_link", BASE.encode()).replace(b"leg", b"\xc2\x9bm")
-            writer.add_message(channels[channel.id], message.log_time, data, message.publish_time)
+        channels: dict[str, int] = {}
+        end = read_log(WALK)[0].log_time + SECONDS * 10**9
+        for each in read_log(WALK):
+            if each.topic not in channels:
+                kind = writer.register_schema(each.type_name, "ros2msg", each.definition.encode())
+                topic = each.topic.replace("dogbot", EVIL)
+                channels[each.topic] = writer.register_channel(topic, "cdr", kind)
+            data = each.data.replace(b"base_link", BASE.encode()).replace(b"leg", b"\xc2\x9bm")
+            if each.log_time <= end:
+                writer.add_message(channels[each.topic], each.log_time, data, each.publish_time)
         writer.finish()
 
 

@@ -23,15 +23,14 @@ import pytest
 from mcap import records
 from mcap.stream_reader import StreamReader
 
-from dogbot_logtool.commands.convert import convert
+import dogbot_logtool as dl
 from dogbot_logtool.core.scene.arrows import ARROW_STYLES
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
 from tests.measured import measured, measured_contact
-from tests.oracles import state_walks, walks
+from tests.oracles import conversion, state_walks, walks
 from tests.oracles.annotated_file import (
     Written,
     arrows,
@@ -40,14 +39,6 @@ from tests.oracles.annotated_file import (
     written_arrows,
     written_loads,
     written_poses,
-)
-from tests.oracles.conversion import (
-    TICK_NS,
-    Arrow,
-    Load,
-    Pose,
-    expected_arrows,
-    expected_poses,
 )
 from tests.oracles.recorded import BODY_WEIGHT_N, FEET, TF_TYPE, arrow_topic, read_log
 from tests.oracles.small_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
@@ -76,7 +67,7 @@ def converted(log: Path, **options: Any) -> Done:
     key = (log, repr(sorted(options.items())))
     if key not in _DONE:
         target = Path(_FOLDER.name) / f"{len(_DONE)}.mcap"
-        conversion = convert(log, target, ConvertOptions(**options))
+        conversion = dl.convert(log, target, **options)
         _DONE[key] = Done(conversion, target)
     return _DONE[key]
 
@@ -110,7 +101,7 @@ MATRIX = [
 
 
 def assert_same_arrows(
-    actual: list[Arrow], expected: list[Arrow], style: str, encoding: str
+    actual: list[conversion.Arrow], expected: list[conversion.Arrow], style: str, encoding: str
 ) -> None:
     """Forces are kept with 24 bits, positions with all; the arrows of `classic` are exact."""
     rows = [(arrow.log_time, arrow.stamp, not arrow.position) for arrow in actual]
@@ -136,7 +127,7 @@ def assert_same_arrows(
 
 
 def assert_measured_loads(
-    actual: list[Load], log: Path, foot: str, span: tuple[int, int] | None = None
+    actual: list[conversion.Load], log: Path, foot: str, span: tuple[int, int] | None = None
 ) -> None:
     """Besides those that were measured there are only the first time's, and those of silences."""
     first, last = span or (opening_of(log), 1 << 63)
@@ -155,7 +146,9 @@ def assert_measured_loads(
     np.testing.assert_allclose(weights, newtons / BODY_WEIGHT_N, rtol=1e-12)
 
 
-def assert_same_poses(actual: list[Pose], expected: list[Pose], opening: int) -> None:
+def assert_same_poses(
+    actual: list[conversion.Pose], expected: list[conversion.Pose], opening: int
+) -> None:
     """The first pose also stands at the log's first time, unless it is there already."""
     if expected[0].log_time > opening:
         first = actual.pop(0)
@@ -173,7 +166,9 @@ def test_annotations_are_what_message_by_message_conversion_gives(
     assert done.conversion.damage.exit_code == 0
     for foot in FEET:
         contact = measured_contact(log, foot)
-        arrows = expected_arrows(log, foot, style, in_world=IN_WORLD[log], contact=contact)
+        arrows = conversion.expected_arrows(
+            log, foot, style, in_world=IN_WORLD[log], contact=contact
+        )
         found = written_arrows(done.written, foot, encoding, style)
         assert_same_arrows(found, arrows, style, encoding)
         loads = written_loads(done.written, foot, encoding)
@@ -189,7 +184,7 @@ def test_annotations_are_what_message_by_message_conversion_gives(
     joined = encoding == ("ros2" if log == WALK else "ros1")
     topic = "/tf" if joined else "/dogbot_logtool/tf"
     poses = written_poses(done.written, topic, encoding)
-    assert_same_poses(poses, expected_poses(log, at_ticks=True), opening_of(log))
+    assert_same_poses(poses, conversion.expected_poses(log, at_ticks=True), opening_of(log))
     assert ("TOPIC_MOVED" in codes(done.conversion)) != joined
     kinds: dict[str, set[tuple[str, str]]] = {}
     for channel in done.written.channels.values():
@@ -201,7 +196,9 @@ def test_annotations_are_what_message_by_message_conversion_gives(
 def test_tf_rate_0_writes_every_pose() -> None:
     done = converted(TROUBLED, tf_rate=0.0, encoding="ros2", copy=False)
     poses = written_poses(done.written, "/tf", "ros2")
-    assert_same_poses(poses, expected_poses(TROUBLED, at_ticks=False), opening_of(TROUBLED))
+    assert_same_poses(
+        poses, conversion.expected_poses(TROUBLED, at_ticks=False), opening_of(TROUBLED)
+    )
 
 
 def test_what_cannot_be_drawn_is_counted() -> None:
@@ -224,23 +221,28 @@ def test_start_and_end_choose_messages_by_log_time() -> None:
     for foot in FEET:
         loads = written_loads(done.written, foot, "foxglove")
         assert_measured_loads(loads, WALK, foot, (start, end))
-    first_pose, *rest = (p for p in expected_poses(WALK, at_ticks=False) if p.log_time >= start)
+    first_pose, *rest = (
+        p for p in conversion.expected_poses(WALK, at_ticks=False) if p.log_time >= start
+    )
     last = max(pose.stamp for pose in rest if pose.log_time <= end)
     told = written_poses(done.written, "/dogbot_logtool/tf", "foxglove")
     assert told[0] == replace(first_pose, log_time=start, stamp=start)
-    at_ticks = [p for p in expected_poses(WALK, at_ticks=True) if p.log_time > first_pose.log_time]
+    at_ticks = [
+        p
+        for p in conversion.expected_poses(WALK, at_ticks=True)
+        if p.log_time > first_pose.log_time
+    ]
     assert told[1:] == [first_pose, *at_ticks][: len(told) - 1]
-    assert 0 <= last - told[-1].stamp < TICK_NS
+    assert 0 <= last - told[-1].stamp < conversion.TICK_NS
 
 
 @pytest.mark.parametrize("style", ARROW_STYLES)
 def test_forces_of_all_kinds(tmp_path: Path, style: str) -> None:
     log, target = write_bag(tmp_path / "odd.bag", odd_contacts()), tmp_path / "out.mcap"
-    world = {"wrench_frame": "world"}
-    options = ConvertOptions(robot="dogbot", style=style, encoding="ros1", set=world)
-    counts = convert(log, target, options).counts
+    given: dict[str, Any] = {"robot": "dogbot", "set": {"wrench_frame": "world"}}
+    counts = dl.convert(log, target, style=style, encoding="ros1", **given).counts
     contact = measured_contact(log, "front_left", MeasureOptions(robot="dogbot"))
-    expected = expected_arrows(log, "front_left", style, in_world=True, contact=contact)
+    expected = conversion.expected_arrows(log, "front_left", style, in_world=True, contact=contact)
     told = written_arrows(read_written(target), "front_left", "ros1", style)
     assert_same_arrows(told, expected, style, "ros1")
     # The touch without a point is too light, and too short, to be a stance.
@@ -255,7 +257,7 @@ def test_neither_jobs_nor_the_folder_leave_a_trace(tmp_path: Path, log: Path) ->
     for each in (elsewhere, target):
         each.mkdir()
     (elsewhere / log.name).write_bytes(log.read_bytes())
-    convert(elsewhere / log.name, target / "x.mcap", ConvertOptions(jobs=3, **options))
+    dl.convert(elsewhere / log.name, target / "x.mcap", jobs=3, **options)
     assert (target / "x.mcap").read_bytes() == converted(log, **options).path.read_bytes()
     assert [file.name for file in target.iterdir()] == ["x.mcap"]
 
@@ -269,14 +271,6 @@ def test_provenance_tells_how_but_not_when_or_where() -> None:
     assert not re.search(r"20\d\d-\d\d|\d\d:\d\d|\"/", json.dumps(told))
 
 
-def test_progress_ends_at_the_whole(tmp_path: Path) -> None:
-    made: list[tuple[int, int]] = []
-    options = ConvertOptions(copy=False)
-    convert(TROUBLED, tmp_path / "out.mcap", options, lambda *progress: made.append(progress))
-    assert made[-1][0] == made[-1][1]
-    assert made == sorted(made)
-
-
 def test_the_doctor_finds_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`pymcap-cli doctor` over all encodings and all compressions, each with both copy modes."""
     from pymcap_cli.cli import app as pymcap_cli  # noqa: PLC0415 - takes long to load
@@ -285,8 +279,12 @@ def test_the_doctor_finds_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[
     target = tmp_path / "out.mcap"
     encodings = itertools.cycle(ENCODINGS)
     for compression, copy in itertools.product((*COMPRESSIONS, None), (True, False)):
-        looks = {"encoding": next(encodings), "compression": compression, "copy": copy}
-        convert(log, target, ConvertOptions(overwrite=True, **looks))  # type: ignore[arg-type]
+        looks: dict[str, Any] = {
+            "encoding": next(encodings),
+            "compression": compression,
+            "copy": copy,
+        }
+        dl.convert(log, target, overwrite=True, **looks)
         code = pymcap_cli(["doctor", str(target)], result_action="return_value")
         told = capsys.readouterr()
         assert code == 0, told.out + told.err
@@ -322,7 +320,7 @@ def foot_entries(walk: StateWalk) -> Iterator[walks.Entry]:
 def test_arrows_start_at_the_frames_of_the_feet(tmp_path: Path) -> None:
     walk, path, target = StateWalk(2), tmp_path / "walk.mcap", tmp_path / "out.mcap"
     walks.write_mcap(path, walk, sorted(foot_entries(walk), key=lambda entry: entry.log_time))
-    convert(path, target, ConvertOptions(mass=walks.MASS_KG, encoding="ros2", copy=False))
+    dl.convert(path, target, mass=walks.MASS_KG, encoding="ros2", copy=False)
     drawn = 0
     for topic, log_time, marker in arrows(target):
         leg = topic.removeprefix("/marker_basic_").removesuffix("_foot")

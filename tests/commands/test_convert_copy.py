@@ -5,42 +5,18 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 import pytest
 from mcap.writer import CompressionType
 
-from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options.convert import ConvertOptions
+import dogbot_logtool as dl
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from tests.commands.test_convert import chunks_of, codes, converted, opening_of
-from tests.oracles import base_walks, walks
+from tests.oracles import base_walks, recorded, small_logs, walks
 from tests.oracles.annotated_file import Written, described_robots, read_written, written_loads
-from tests.oracles.recorded import (
-    CONTACTS_TYPE,
-    DESCRIPTION,
-    FEET,
-    ODOMETRY,
-    ODOMETRY_TYPE,
-    TF_TYPE,
-    Recorded,
-    S,
-    arrow_topic,
-    contact_topic,
-    read_log,
-)
-from tests.oracles.small_logs import (
-    CONTACTS,
-    contact,
-    contacts,
-    odometry,
-    small_walk,
-    transform,
-    write_bag,
-    write_log,
-    write_ros1_mcap,
-)
+from tests.oracles.recorded import FEET, ODOMETRY, S
 from tests.oracles.walks import Entry
 from tests.paths import TROUBLED, WALK
 
@@ -51,9 +27,9 @@ COPIES: list[tuple[Path, Compression | None, str]] = [
 ]
 
 
-def rows(log: Path, profile: str) -> Counter[Recorded]:
+def rows(log: Path, profile: str) -> Counter[recorded.Recorded]:
     """The messages of a log or an output; rosbags names the types of ROS 1 as those of ROS 2."""
-    found = read_log(log)
+    found = recorded.read_log(log)
     if profile == "ros1":
         found = [replace(one, type_name=one.type_name.replace("/msg/", "/")) for one in found]
     return Counter(found)
@@ -68,7 +44,11 @@ def test_recorded_messages_are_copied_byte_for_byte(
     done = converted(log, compression=compression)
     assert rows(log, profile) <= rows(done.path, profile)
     annotated = sum(done.conversion.annotations.values())
-    assert done.conversion.copied == len(read_log(log)) == len(done.written.messages) - annotated
+    assert (
+        done.conversion.copied
+        == len(recorded.read_log(log))
+        == len(done.written.messages) - annotated
+    )
     assert described_robots(done.written) == [(opening_of(log), "dogbot")]
     name = "" if compression == "none" else (compression or "zstd")
     assert set(done.written.chunk_compressions) == {name}
@@ -84,10 +64,10 @@ def test_chunks_of_an_mcap_are_copied_as_they_stand() -> None:
     assert len(done.written.chunk_compressions) == len(written)
 
 
-def done(log: Path, options: ConvertOptions = ConvertOptions()) -> tuple[Conversion, Written]:  # noqa: B008 - frozen
+def done(log: Path, **options: Any) -> tuple[Conversion, Written]:
     """Convert a log; the file has all that the result counts."""
     target = log.with_name("out.mcap")
-    conversion = convert(log, target, options)
+    conversion = dl.convert(log, target, **options)
     written = read_written(target)
     annotated = sum(conversion.annotations.values())
     assert len(written.messages) == conversion.copied + annotated
@@ -96,8 +76,8 @@ def done(log: Path, options: ConvertOptions = ConvertOptions()) -> tuple[Convers
 
 def test_mcap_extras_are_copied_with_the_messages(tmp_path: Path) -> None:
     """To the byte, also metadata that are no text; a damaged attachment is left out."""
-    log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(), extras=True)
-    _, written = done(log, ConvertOptions(compression="none"))
+    log = small_logs.write_ros1_mcap(tmp_path / "log.mcap", small_logs.small_walk(), extras=True)
+    _, written = done(log, compression="none")
     recorded = read_written(log)
     assert len(recorded.attachments) == 2
     assert written.attachments == recorded.attachments
@@ -105,13 +85,13 @@ def test_mcap_extras_are_copied_with_the_messages(tmp_path: Path) -> None:
     own = [c for c in written.channels.values() if c.metadata == {"callerid": "/tests"}]
     assert len(own) == 2
     assert {m.sequence for m in written.messages} == {0, 3}
-    conversion, written = done(log, ConvertOptions(copy=False, overwrite=True))
+    conversion, written = done(log, copy=False, overwrite=True)
     assert (conversion.copied, written.attachments) == (0, [])
     assert [metadata.name for metadata in written.metadata] == ["dogbot_logtool"]
 
     data = log.read_bytes().replace(b"weather", b"w\xffather")
     log.write_bytes(data.replace(b"here be dragons", b"here be unicorn", 1))
-    conversion = convert(log, tmp_path / "odd.mcap", ConvertOptions())
+    conversion = dl.convert(log, tmp_path / "odd.mcap")
     lost = [each.what for each in conversion.damage.losses]
     assert sum("the attachment or metadata record at byte" in what for what in lost) == 1
     copied = (tmp_path / "odd.mcap").read_bytes()
@@ -121,12 +101,17 @@ def test_mcap_extras_are_copied_with_the_messages(tmp_path: Path) -> None:
 
 # --- Chosen topics --------------------------------------------------------------------------------
 
-CONTACT_TOPICS = {"/feet/left/contact": CONTACTS, "/feet/right/contact": CONTACTS}
+CONTACT_TOPICS = {
+    "/feet/left/contact": small_logs.CONTACTS,
+    "/feet/right/contact": small_logs.CONTACTS,
+}
 
 
 @pytest.fixture
 def walk(tmp_path: Path) -> Path:
-    return write_log(tmp_path / "walk.mcap", CONTACT_TOPICS, odometry=["/odom"], samples=200)
+    return small_logs.write_log(
+        tmp_path / "walk.mcap", CONTACT_TOPICS, odometry=["/odom"], samples=200
+    )
 
 
 @pytest.mark.parametrize(
@@ -141,8 +126,8 @@ def test_topics_are_left_out_and_annotations_stay(
     walk: Path, tmp_path: Path, topics: tuple[str, ...], copied: set[str], said: str
 ) -> None:
     whole, part = tmp_path / "whole.mcap", tmp_path / "part.mcap"
-    convert(walk, whole, ConvertOptions())
-    done = convert(walk, part, ConvertOptions(topics=topics))
+    dl.convert(walk, whole)
+    done = dl.convert(walk, part, topics=topics)
     written = read_written(part)
     missing = {"/odom", *CONTACT_TOPICS} - copied
     expected = {name: n for name, n in read_written(whole).topics.items() if name not in missing}
@@ -157,7 +142,7 @@ def test_topics_are_left_out_and_annotations_stay(
 
 def test_transforms_that_are_left_out_are_written_anew(tmp_path: Path) -> None:
     path = base_walks.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
-    done = convert(path, tmp_path / "part.mcap", ConvertOptions(topics=("!/tf",)))
+    done = dl.convert(path, tmp_path / "part.mcap", topics=("!/tf",))
     assert done.annotations["/tf"] > 100
 
 
@@ -165,47 +150,50 @@ def test_transforms_that_are_left_out_are_written_anew(tmp_path: Path) -> None:
 
 
 def test_feet_only(tmp_path: Path) -> None:
-    entries = [entry for entry in small_walk() if entry.topic != ODOMETRY]
-    conversion, _ = done(write_bag(tmp_path / "log.bag", entries))
+    entries = [entry for entry in small_logs.small_walk() if entry.topic != ODOMETRY]
+    conversion, _ = done(small_logs.write_bag(tmp_path / "log.bag", entries))
     assert "NO_BASE" in codes(conversion)
-    assert conversion.annotations[arrow_topic("front_left")] == 250
+    assert conversion.annotations[recorded.arrow_topic("front_left")] == 250
     assert "/tf" not in conversion.annotations
     missing = {f.where for f in conversion.findings if f.code == "NO_MESSAGES"}
-    assert missing >= {contact_topic(foot) for foot in FEET[1:]}
+    assert missing >= {recorded.contact_topic(foot) for foot in FEET[1:]}
 
 
 @pytest.mark.parametrize("tf", ["auto", "never"])
-def test_odometry_only(tmp_path: Path, tf: Literal["auto", "never"]) -> None:
-    entries = [entry for entry in small_walk() if entry.topic == ODOMETRY]
-    conversion, _ = done(write_bag(tmp_path / "log.bag", entries), ConvertOptions(tf=tf))
+def test_odometry_only(tmp_path: Path, tf: str) -> None:
+    entries = [entry for entry in small_logs.small_walk() if entry.topic == ODOMETRY]
+    conversion, _ = done(small_logs.write_bag(tmp_path / "log.bag", entries), tf=tf)
     assert "NO_FEET" in codes(conversion)
     written = {topic: count for topic, count in conversion.annotations.items() if count}
-    assert written == {DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
+    assert written == {recorded.DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
 
 
 def test_malformed_messages_cost_one_message_each(tmp_path: Path) -> None:
     """Transforms are read for all that is measured, whatever is written."""
     sent = [10 * S + index * 20_000_000 for index in range(50)]
-    frames = [Entry("/tf", TF_TYPE, time, transform(time, "base_link", "leg")) for time in sent]
+    frames = [
+        Entry("/tf", recorded.TF_TYPE, time, small_logs.transform(time, "base_link", "leg"))
+        for time in sent
+    ]
     frames[30] = frames[30]._replace(data=frames[30].data[:-1])
-    entries = sorted([*small_walk(), *frames], key=lambda entry: entry.log_time)
-    broken = next(i for i, e in enumerate(entries) if i > 200 and e.kind == CONTACTS_TYPE)
+    entries = sorted([*small_logs.small_walk(), *frames], key=lambda entry: entry.log_time)
+    broken = next(i for i, e in enumerate(entries) if i > 200 and e.kind == recorded.CONTACTS_TYPE)
     entries[broken] = entries[broken]._replace(data=entries[broken].data[:-3])
-    log = write_bag(tmp_path / "log.bag", entries)
+    log = small_logs.write_bag(tmp_path / "log.bag", entries)
     conversion, written = done(log)
     assert conversion.damage.exit_code == 3
     assert conversion.copied == len(entries)
     lost = conversion.damage.losses
-    topics = {contact_topic("front_left"), "/tf"}
+    topics = {recorded.contact_topic("front_left"), "/tf"}
     assert {topic for topic in topics for loss in lost if topic in loss.what} == topics
     assert [loss.messages for loss in lost] == [1, 1]
     loads = written_loads(written, "front_left", "foxglove")
-    sound = [e for i, e in enumerate(entries) if e.kind == CONTACTS_TYPE and i != broken]
+    sound = [e for i, e in enumerate(entries) if e.kind == recorded.CONTACTS_TYPE and i != broken]
     assert [load.log_time for load in loads] == [each.log_time for each in (entries[0], *sound)]
     provenance = written.metadata[-1].metadata
     assert provenance["lost_messages"] == "2"
-    assert contact_topic("front_left") in provenance["damage"]
-    never, _ = done(log, ConvertOptions(tf="never", overwrite=True))
+    assert recorded.contact_topic("front_left") in provenance["damage"]
+    never, _ = done(log, tf="never", overwrite=True)
     assert never.damage.losses == lost
 
 
@@ -227,7 +215,7 @@ def test_a_batch_of_which_nothing_can_be_decoded(
     lost = [each for each in entries if each.topic in bad and first <= each.log_time < last]
     cut = [each._replace(data=each.data[:11]) if each in lost else each for each in entries]
     walks.write_mcap(path, walk, cut, chunk_size=20_000)
-    conversion, _ = done(path, ConvertOptions(robot=str(walks.robot_file(tmp_path, kind))))
+    conversion, _ = done(path, robot=str(walks.robot_file(tmp_path, kind)))
     assert sum(loss.messages or 0 for loss in conversion.damage.losses) == len(lost)
     assert all("could not be decoded" in loss.what for loss in conversion.damage.losses)
 
@@ -245,15 +233,22 @@ def test_a_load_is_unknown_from_when_the_next_message_is_due(
     tmp_path: Path, times_ms: Sequence[int], end_ms: int, unknown_ms: list[int]
 ) -> None:
     """It is known from the log's first time on if the first message is near to that."""
-    state, start = contact((0.0, 0.0, 50.0)), 10 * S
-    topics = [(ODOMETRY, ODOMETRY_TYPE, [0, end_ms])]
-    topics.append((contact_topic("front_left"), CONTACTS_TYPE, [*times_ms]))
+    state, start = small_logs.contact((0.0, 0.0, 50.0)), 10 * S
+    topics = [(ODOMETRY, recorded.ODOMETRY_TYPE, [0, end_ms])]
+    topics.append((recorded.contact_topic("front_left"), recorded.CONTACTS_TYPE, [*times_ms]))
     entries = [
-        Entry(topic, kind, time, odometry(time) if topic == ODOMETRY else contacts(time, state))
+        Entry(
+            topic,
+            kind,
+            time,
+            small_logs.odometry(time) if topic == ODOMETRY else small_logs.contacts(time, state),
+        )
         for topic, kind, times in topics
         for time in (start + 1_000_000 * each for each in times)
     ]
-    _, written = done(write_bag(tmp_path / "log.bag", sorted(entries, key=lambda e: e.log_time)))
+    _, written = done(
+        small_logs.write_bag(tmp_path / "log.bag", sorted(entries, key=lambda e: e.log_time))
+    )
     loads = written_loads(written, "front_left", "foxglove")
     unknown = [load for load in loads if load.state == "unknown"]
     assert all(math.isnan(load.force) for load in unknown)
@@ -263,11 +258,13 @@ def test_a_load_is_unknown_from_when_the_next_message_is_due(
 
 def test_a_chunk_whose_checksum_fails_is_left_out(tmp_path: Path) -> None:
     none = CompressionType.NONE
-    log = write_ros1_mcap(tmp_path / "log.mcap", small_walk(), compression=none, chunk_size=40_000)
+    log = small_logs.write_ros1_mcap(
+        tmp_path / "log.mcap", small_logs.small_walk(), compression=none, chunk_size=40_000
+    )
     count, data = len(chunks_of(log)), bytearray(log.read_bytes())
     data[data.index(b"ground_plane", len(data) // 2)] ^= 1
     log.write_bytes(data)
-    conversion, _ = done(log, ConvertOptions(compression="none"))
+    conversion, _ = done(log, compression="none")
     assert conversion.damage.exit_code == 3
     (loss,) = conversion.damage.losses
     assert loss.messages

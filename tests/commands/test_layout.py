@@ -7,12 +7,11 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.commands.convert import convert
+import dogbot_logtool as dl
 from dogbot_logtool.commands.layout import view_of
 from dogbot_logtool.core.scene.feet import FOOT_COLOURS
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.report.layouts import View, foxglove_layout, rviz_config
 from tests.oracles.annotated_file import read_written
 from tests.oracles.small_logs import write_standing_log
@@ -34,7 +33,7 @@ def panel(layout: dict[str, Any], kind: str) -> dict[str, Any]:
 
 
 def test_every_topic_and_field_is_in_a_converted_log(tmp_path: Path) -> None:
-    convert(TROUBLED, tmp_path / "out.mcap", ConvertOptions(copy=False))
+    dl.convert(TROUBLED, tmp_path / "out.mcap", copy=False)
     written = read_written(tmp_path / "out.mcap")
     first = {topic: written.decoded(topic)[0][1] for topic in written.topics}
     layout = foxglove_layout(view_of(TROUBLED, MeasureOptions()))

@@ -4,8 +4,7 @@ import json
 import random
 import struct
 import tracemalloc
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,6 @@ from tests.comparison.recordings import (
     lines,
     load,
     odometry,
-    one_topic,
     recording,
     ros_kind,
     scene,
@@ -124,62 +122,6 @@ def test_records_beside_the_messages(tmp_path: Path) -> None:
         assert compared(tmp_path, expected, changed, ignore=everything).same
     assert compared(tmp_path, expected, changed, ignore=ours).difference_count == 2
     assert compared(tmp_path, expected, changed, topics=("/*",)).same
-
-
-def test_damage_is_reported_and_the_rest_compared(tmp_path: Path) -> None:
-    whole = one_topic(RAW, *(bytes([i]) * 1000 for i in range(200)))
-    path = whole.write(tmp_path / "x.mcap", compression=CompressionType.NONE, chunk_size=20_000)
-    data = bytearray(path.read_bytes())
-    place = data.index(bytes([150]) * 1000)
-    # The records of one chunk no longer fit together from here on.
-    data[place - 31 : place - 23] = b"\xff" * 8
-    path.write_bytes(data)
-    result = compared(tmp_path, whole, path)
-    assert [found.log for found in result.damage] == [str(path)]
-    missing = counts(result)[-2]
-    assert 0 < missing < 30
-    assert counts(result) == (200, 200 - missing, 200 - missing, 0, 0, missing, 0)
-    assert result.exit_code == 1
-    assert "damaged" in result.verdict
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_counts_agree_with_a_naive_pairing(tmp_path: Path, seed: int) -> None:
-    chance = random.Random(seed)  # noqa: S311 - no cryptography
-    kinds = dict.fromkeys(("/a", "/b", "/c"), RAW)
-
-    def messages() -> list[tuple[str, int, bytes]]:
-        return [
-            (chance.choice(sorted(kinds)), chance.randrange(8), chance.choice([b"", b"x", b"yz"]))
-            for _ in range(chance.randrange(60))
-        ]
-
-    sides = [messages(), messages()]
-    paths = [
-        recording(kinds, *side).write(tmp_path / f"{n}.mcap", chunk_size=chance.choice([50, 5000]))
-        for n, side in enumerate(sides)
-    ]
-    result = compared(tmp_path, *paths, max_differences=1000)
-
-    one, other = map(by_place, sides)
-    wanted: dict[str, Counter[str]] = defaultdict(Counter)
-    for key in one.keys() | other.keys():
-        both = "equal" if one.get(key) == other.get(key) else "different"
-        wanted[key[0]]["missing" if key not in other else "extra" if key not in one else both] += 1
-    for topic in kinds:
-        _, _, equal, _, different, missing, extra = counts(result, topic)
-        found = Counter(equal=equal, different=different, missing=missing, extra=extra)
-        assert +found == wanted[topic]
-    assert result.difference_count == len(result.differences)
-
-
-def by_place(messages: Iterable[tuple[str, int, bytes]]) -> dict[tuple[str, int, int], bytes]:
-    seen: Counter[tuple[str, int]] = Counter()
-    places: dict[tuple[str, int, int], bytes] = {}
-    for topic, time, data in messages:
-        places[topic, time, seen[topic, time]] = data
-        seen[topic, time] += 1
-    return places
 
 
 def shuffled(messages: Sequence[Message]) -> list[Message]:

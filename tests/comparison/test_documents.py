@@ -167,7 +167,7 @@ def test_each_quantity_has_its_tolerance(
         ("[metres]\nfields = ['x']\nato = 1", "metres.ato: not known"),
         ("[default]\nfields = ['x']", "default.fields: not known"),
         ("[metres]\nfields = ['x']\natol = -1", "metres.atol is -1"),
-        ("[metres]\nfields = ['x']\nrtol = 'a'", "metres.rtol is 'a'; it must be a number"),
+        ("[metres]\nfields = ['x']\nrtol = 'a'", "metres.rtol is 'a'; it must be a number from 0"),
         ("[metres", "not valid TOML"),
     ],
 )

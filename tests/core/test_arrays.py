@@ -20,7 +20,7 @@ from dogbot_logtool.core.arrays import (
     percentiles_of,
 )
 from dogbot_logtool.core.rotations import normalised, slerp
-from tests.truth.recording import about_axis
+from tests.truth.geometry import about_axis
 
 PERCENTS = [0.0, 12.5, 95.0, 100.0]
 

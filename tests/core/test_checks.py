@@ -1,9 +1,7 @@
 """What is checked of a walk, what each finding says, and what it voids."""
 
-import ast
 from fnmatch import fnmatchcase
 from pathlib import Path
-from string import Formatter
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,6 @@ from dogbot_logtool.core.checks.engine import void_columns
 from dogbot_logtool.core.metrics import Stride, WalkMetrics
 from dogbot_logtool.core.records import fields_of, metric_paths
 from dogbot_logtool.finding import Finding, FindingKind, Severity, finding_kinds, found
-from tests.paths import ROOT
 from tests.truth import scenes
 from tests.truth.outcome import outcome
 from tests.truth.recording import Disturbance, disturbed
@@ -109,33 +106,6 @@ def test_columns_of_tables_are_voided_by_the_same_patterns() -> None:
     assert all(np.isnan(each).all() for each in left.values())
     assert right["peak_force_n"].tolist() == [1.0, 1.0]
     assert np.isnan(right["length_m"]).all()
-
-
-def words_in(function: ast.AST) -> tuple[set[str], set[str]]:
-    """Return the texts in a function, and the names of the values that it gives to others."""
-    nodes = [*ast.walk(function)]
-    texts = {each.value for each in nodes if isinstance(each, ast.Constant)}
-    given = {each.arg for each in nodes if isinstance(each, ast.keyword) and each.arg}
-    return {each for each in texts if isinstance(each, str)}, given
-
-
-def test_who_finds_something_tells_what_its_sentences_name() -> None:
-    files = (ROOT / "dogbot_logtool").rglob("*.py")
-    trees = [ast.parse(file.read_text(encoding="utf-8")) for file in files]
-    nodes = [node for tree in trees for node in ast.walk(tree)]
-    functions = [words_in(node) for node in nodes if isinstance(node, ast.FunctionDef)]
-    records = [line for node in nodes if isinstance(node, ast.ClassDef) for line in node.body]
-    members = {getattr(getattr(line, "target", line), "id", "") for line in records}
-    members |= {line.name for line in records if isinstance(line, ast.FunctionDef)}
-    for code, kind in finding_kinds().items():
-        told = set().union(*(given | texts for texts, given in functions if code in texts))
-        # Codes of faults of stamps stand in a table outside of the function.
-        told |= {"foot", "topic", "count", "messages", "what"}
-        for text in kind.texts.values():
-            for _, field, *_ in Formatter().parse(text):
-                name, *attributes = (field or "foot").split(".")
-                assert name in told, (code, name)
-                assert members.issuperset(attributes), (code, field)
 
 
 def test_numbers_have_their_nouns() -> None:

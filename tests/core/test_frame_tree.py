@@ -36,20 +36,6 @@ def reachable(pairs: list[Edge]) -> set[Edge]:
     return closed
 
 
-def test_a_robot() -> None:
-    pairs = [("world", "base"), ("base", "left"), ("base", "right"), ("left", "left_foot")]
-    assert roots(pairs) == ["world"]
-    assert trees(pairs) == [["base", "left", "left_foot", "right", "world"]]
-    assert loops(pairs) == []
-    assert [(row.frame, row.more) for row in walk(pairs)] == [
-        ("world", ()),
-        ("base", (False,)),
-        ("left", (False, True)),
-        ("left_foot", (False, True, False)),
-        ("right", (False, False)),
-    ]
-
-
 def test_parents_at_once_and_one_after_another() -> None:
     after = [edge("table", "cup", 0, 5), edge("hand", "cup", 6, 9)]
     assert second_parents(after) == [SecondParent("cup", ("table", "hand"), at_once=False)]

@@ -59,12 +59,6 @@ def test_loose_phases_are_irregular_but_the_nearest_class_is_named() -> None:
     assert (gait.name, gait.nearest_name, gait.class_distance) == ("irregular", "trot", 0.0)
 
 
-def test_four_positions_make_a_quadruped_in_any_order() -> None:
-    corners = [("back", "left"), ("front", "right"), ("front", "left"), ("back", "right")]
-    assert legs_in_order(corners) == (2, 1, 0, 3)
-    assert legs_in_order([*corners[:3], None]) is None
-
-
 def test_two_and_six_feet_have_an_order_too() -> None:
     sides = [(end, side) for end in ("back", "middle", "front") for side in ("left", "right")]
     assert legs_in_order(sides) == (4, 5, 2, 3, 0, 1)

@@ -142,11 +142,3 @@ def test_messages_on_events_are_never_late() -> None:
     ):
         stamps = S + np.round(times).astype(np.int64)
         assert watched(stamps, stamps).gaps == 0
-
-
-@pytest.mark.parametrize("size", [2, 5, 40])
-def test_the_rate_of_bursts_is_that_of_all_messages(size: int) -> None:
-    times = random_times(f"{size} in a burst", 2400, 5)
-    times[1200:] += 60 * S
-    rate_hz = 2400 / (2400 / size * 0.2 + 60)
-    assert watched(times, times).rate_hz == pytest.approx(rate_hz, rel=0.05)

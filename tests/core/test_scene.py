@@ -20,7 +20,7 @@ from dogbot_logtool.core.scene.support_scene import (
 )
 from dogbot_logtool.core.stability import hulls
 from tests.oracles.frames import turn_of
-from tests.truth.recording import hull
+from tests.truth.geometry import hull
 
 
 @pytest.mark.parametrize("beside", [0.0, 1e-20, 1e-100, 1e-170, 5e-324, 1e-6, 0.6])

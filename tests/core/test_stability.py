@@ -6,22 +6,6 @@ import pytest
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.stability import energy_margin_in, hulls, margin_in
 
-SQUARE = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
-
-
-@pytest.mark.parametrize(
-    ("body", "margin"),
-    [((0.75, 0.0), 0.25), ((1.5, 0.0), -0.5), ((2.0, 2.0), -np.sqrt(2.0))],
-)
-def test_margin_in_a_square(body: tuple[float, float], margin: float) -> None:
-    assert margin_in(hulls(SQUARE[None]), np.array([body]))[0] == pytest.approx(margin)
-
-
-def test_feet_in_a_row_span_nothing() -> None:
-    row = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [np.nan, np.nan]])
-    assert np.isnan(margin_in(hulls(row[None]), np.array([[0.5, 0.0]]))[0])
-
-
 FEET = np.array([[0.3, 0.15, 0.0], [0.3, -0.15, 0.0], [-0.3, 0.15, 0.0], [-0.3, -0.15, 0.0]])
 BODY = np.array([0.05, 0.02, 0.4])
 

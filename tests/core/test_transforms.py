@@ -1,16 +1,12 @@
 """Poses of frames over time, and of links that slide, stay or follow."""
 
-from math import cos, pi, sin
-
 import numpy as np
 import pytest
 
 from dogbot_logtool.core.arrays import Floats, Ints
-from dogbot_logtool.core.frames.kinematics import Joint, Triple, link_poses
 from dogbot_logtool.core.frames.transforms import FrameTrack, Poses, frame_track, lookup
 from dogbot_logtool.core.rotations import rotate
-from tests.oracles.frames import turn_of
-from tests.truth.recording import about_axis
+from tests.truth.geometry import about_axis
 
 MS = 1_000_000
 
@@ -99,28 +95,3 @@ def test_huge_numbers_are_no_error() -> None:
     shift = np.full((2, 3), 1e308) * np.array([[1.0], [-1.0]])
     tracks = tracks_of("world", "leg", at(0, 20), at(0, 20), shift, still)
     assert look(tracks, at(10)).known.all()
-
-
-SLANTED: Triple = (2 / 7, 3 / 7, 6 / 7)
-TURNED = (0.0, 0.0, sin(pi / 6), cos(pi / 6))
-"""60 degrees about z."""
-TURNED_MATRIX = turn_of(TURNED)
-
-
-def test_a_prismatic_joint_moves_along_its_axis_in_its_own_frame() -> None:
-    joint = Joint("j", "a", "b", "prismatic", (1.0, 0.0, 0.0), TURNED, SLANTED)
-    shift, turn = link_poses([joint], np.array([[0.0], [0.7]]))
-    expected = np.array([1.0, 0.0, 0.0]) + 0.7 * TURNED_MATRIX @ np.array(SLANTED)
-    np.testing.assert_allclose(shift[:, 0], [[1.0, 0.0, 0.0], expected], atol=1e-12)
-    np.testing.assert_allclose(turn_of(turn[1, 0]), TURNED_MATRIX, atol=1e-12)
-
-
-def test_a_fixed_joint_stays_and_a_mimic_follows() -> None:
-    fixed = Joint("f", "a", "b", "fixed", rotation=TURNED)
-    mimic = Joint("m", "b", "c", "revolute", source="j", multiplier=-2.0, offset=0.5)
-    assert (fixed.measured, mimic.measured) == ("f", "j")
-    _, turn = link_poses([fixed, mimic], np.array([[np.nan, 0.4]]))
-    np.testing.assert_allclose(turn_of(turn[0, 0]), TURNED_MATRIX, atol=1e-12)
-    half = (-2.0 * 0.4 + 0.5) / 2.0
-    expected = turn_of((sin(half), 0.0, 0.0, cos(half)))
-    np.testing.assert_allclose(turn_of(turn[0, 1]), expected, atol=1e-12)

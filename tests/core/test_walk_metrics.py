@@ -1,12 +1,11 @@
 """The records of metrics, what is made of them, and why some are null."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from dogbot_logtool.core.metrics import NEEDS, Phase, WalkMetrics
-from dogbot_logtool.core.records import metric_paths, unknown, values
+from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
+from dogbot_logtool.core.records import metric_paths, values
 from dogbot_logtool.finding import Finding
 from tests.measured import measured, measurement_of
 from tests.paths import TROT, TROUBLED
@@ -52,12 +51,6 @@ def test_the_whole_log_and_a_segment_have_the_same_metrics() -> None:
     paths = {path for path, _, _ in PATHS}
     in_segments = {each.removeprefix("gait.segments[].") for each in paths if "segments[]" in each}
     assert in_segments - {"start_s", "end_s"} <= paths
-
-
-def test_records_are_printed_and_compared() -> None:
-    nothing = unknown(Phase)
-    assert repr(nothing) == "Phase(mean=None, consistency=None, left_hind=None)"
-    assert nothing == unknown(Phase) != replace(nothing, mean=0.5)
 
 
 def nulls(walk: WalkMetrics) -> set[str]:

@@ -12,37 +12,14 @@ import pytest
 from notebook import NOTEBOOK, executed
 from pages import PAGES
 
-from dogbot_logtool.finding import finding_kinds
 from hatch_build import long_description
 from tests.forked_cli import run
 from tests.paths import ROOT, SAMPLE_LOGS
-
-_CODE = re.compile(r'\b(?:Finding|found)\(\s*"([A-Z_]+)"')
-_CAPITALS = re.compile(r'"([A-Z]{2,}(?:_[A-Z]+)+)"')
-
-
-def program() -> str:
-    files = (ROOT / "dogbot_logtool").rglob("*.py")
-    return "\n".join(file.read_text(encoding="utf-8") for file in files)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_the_page_is_up_to_date(page: Path) -> None:
     assert page.read_text(encoding="utf-8") == PAGES[page](), "run: make docs"
-
-
-def test_codes_are_declared_used_and_say_what_to_do() -> None:
-    """Codes are also taken from tables; a remedy is something that a person can do."""
-    text, kinds = program(), finding_kinds()
-    found = set(_CODE.findall(text))
-    assert len(found) > 60
-    assert found <= kinds.keys()
-    others = {"BATCH_SIZE", "OPENBLAS_NUM_THREADS", "SEEK_DATA"}
-    assert set(_CAPITALS.findall(text)) - kinds.keys() <= others
-    assert {code for code in kinds if code not in text} == set()
-    for code, kind in kinds.items():
-        assert kind.remedy.endswith("."), code
-        assert not kind.remedy.startswith("Nothing"), code
 
 
 EXAMPLES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("tutorial", "stats"))]

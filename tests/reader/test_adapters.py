@@ -81,7 +81,7 @@ def read(of: Channel, messages: list[bytes]) -> tuple[list[int], dict[int, int]]
     if of.type_name in POSES:
         how = source(of)
         assert how
-        poses = Base(how, base_walks.ELEMENTS.get(of.type_name, "")).read(batch, [of])
+        poses = Base(how, (of,), base_walks.ELEMENTS.get(of.type_name, "")).read(batch)
         times = [each.poses.log_time for each in poses]
         malformed = {number: lost for each in poses for number, lost in each.malformed.items()}
     else:
@@ -90,7 +90,7 @@ def read(of: Channel, messages: list[bytes]) -> tuple[list[int], dict[int, int]]
             replace(Foot(leg, "/"), element=row, newtons_per_count=1.0, label=labels.get(leg, ""))
             for row, leg in enumerate(walks.LEGS)
         ]
-        found = read_contacts(batch, [of], FootChannels(feet, {1: (0, 1, 2, 3)}))
+        found = read_contacts(batch, FootChannels(feet, {of: (0, 1, 2, 3)}))
         for each in found:
             assert (
                 each.source.row.pairs or len(feet_in(each.source, each.messages)) <= MOST_ELEMENTS

@@ -15,18 +15,7 @@ from tests.oracles.small_logs import odometry_log
 from tests.oracles.walks import write_rosbag2
 from tests.paths import TROT
 from tests.torture import commands, signals
-from tests.torture.signals import (
-    HUP,
-    INT,
-    KILL,
-    TERM,
-    Call,
-    faults_of,
-    interrupt,
-    started,
-    wait_until_ready,
-    wait_until_written,
-)
+from tests.torture.signals import HUP, INT, KILL, TERM
 
 LINUX: Final = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 FIRST: Final = {each.split()[0]: each for each in reversed(commands.COMMANDS)}.values()
@@ -83,12 +72,12 @@ def test_signals_amid_writing_leave_nothing(
     folder: Path, long_logs: list[str], each: signal.Signals, logs: int, jobs: str
 ) -> None:
     words = ("convert", *long_logs[:logs], "-o", "./", "--compression", "lz4", "--jobs", jobs)
-    with started(words, folder) as process:
-        wait_until_written(process, 20_000_000)
-        interrupt(process, [each], everyone=False)
+    with signals.started(words, folder) as process:
+        signals.wait_until_written(process, 20_000_000)
+        signals.interrupt(process, [each], everyone=False)
         says = "" if each is KILL else "interrupted: nothing was left behind\n"
-        call = Call(words, 0.0, {})
-        assert list(faults_of(process, call, [each], folder, PATIENCE_S, says)) == []
+        call = signals.Call(words, 0.0, {})
+        assert list(signals.faults_of(process, call, [each], folder, PATIENCE_S, says)) == []
     assert process.returncode == (-KILL if each is KILL else 128 + each)
 
 
@@ -96,11 +85,11 @@ def test_signals_amid_writing_leave_nothing(
 def test_signals_end_every_command_on_a_long_bag_at_once(bag: Path, folder: Path) -> None:
     for number, (command, each) in enumerate(zip(FIRST, itertools.cycle((INT, TERM)))):
         words = tuple(command.format(log=bag).split())
-        with started(words, folder) as process:
-            wait_until_ready(process)
+        with signals.started(words, folder) as process:
+            signals.wait_until_ready(process)
             time.sleep(0.08 * (number % 4 + 1))
-            interrupt(process, [each], everyone=True)
-            call = Call(words, 0.0, {})
-            faults = list(faults_of(process, call, [each], folder, PATIENCE_S))
+            signals.interrupt(process, [each], everyone=True)
+            call = signals.Call(words, 0.0, {})
+            faults = list(signals.faults_of(process, call, [each], folder, PATIENCE_S))
         assert faults == [], command
         assert list(bag.parent.iterdir()) == [bag]

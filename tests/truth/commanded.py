@@ -4,14 +4,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tests.truth.recording import (
-    BaseRecording,
-    Floats,
-    Recording,
-    VectorRecording,
-    about_axis,
-    sample_times,
-)
+from tests.truth.geometry import Floats, about_axis
+from tests.truth.recording import BaseRecording, Recording, VectorRecording, sample_times
 from tests.truth.sensor_faults import as_force_sensors
 from tests.truth.walking import Walk
 

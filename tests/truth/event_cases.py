@@ -44,7 +44,7 @@ def planned() -> Iterator[Case]:
          steps, ()),
         ("poses with 2 mm of noise", pose.pose_noise(0.002), "", "", ()),
         ("poses with 10 mm of noise", pose.pose_noise(0.01), "", "", ()),
-        ("contact points roll forward", foot.rolling(0.06), "", "", ()),
+        ("contact points roll forward", foot.rolling(0.06), "", "pressure", ()),
         ("one jump of the pose", jump, "POSE_JUMP", "", (jumps,)),
         ("one gap of a foot", hush, "GAPS", steps, (silent,)),
     ]

@@ -129,7 +129,7 @@ def others() -> Iterator[Case]:
     yield Case("a payload put on, force sensors", WALK,
                (*QUIET, foot.payload(3.0, 1.3), NO_MASS), "PAYLOAD", "PAYLOAD|MASS", ROUGH, skip)
     own = ("class, sequence, touchdowns, lift-offs, contact fraction, duty factor, stride length, "
-           "phase, support, load share, peak force, braking")
+           "phase, support, load share, peak force, braking, pressure")
     for name, sensors in (("bumpers", ()), ("force sensors", QUIET)):
         yield Case(f"one foot held up for six strides, {name}", replace(WALK, seconds=16.0),
                    (foot.held_up("back_left", 5.0, 11.2), *sensors), "", skip=own)

@@ -13,9 +13,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from tests.truth.geometry import Floats, about_axis, product, turned
 from tests.truth.parts import Part, model_xml
 from tests.truth.physics import FEET, STEP_S, Physics, simulate
-from tests.truth.recording import Floats, about_axis, product, turned
 
 PERIOD_S, LIFT_M, HEIGHT_M = 0.5, 0.05, 0.30
 HALF_LENGTH, HALF_WIDTH, OFFSET, LINK, BALL = 0.18, 0.05, 0.08, 0.2, 0.02

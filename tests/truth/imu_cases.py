@@ -8,8 +8,9 @@ import numpy as np
 
 from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
+from tests.truth.geometry import Floats, about_axis, product
 from tests.truth.judging import Case
-from tests.truth.recording import Floats, about_axis, on, product
+from tests.truth.recording import on
 from tests.truth.sensed import G, mounted, pushed, reading, with_imu
 from tests.truth.walking import Walk
 
@@ -35,7 +36,7 @@ def wandering(vector: Floats) -> Floats:
 # fmt: off
 def sound() -> Iterator[Case]:
     """Nothing is wrong with these."""
-    ways = "speed, path, climb, stride length, froude, slope"
+    ways = "speed, path, climb, stride length, froude, slope, propulsion"
     to_and_fro, up_and_down = pushed((0.6, 0.3, 0.0), 5.0), pushed((0.0, 0.0, 0.8), 5.0)
     noisy, hung = with_imu(noise_mps2=0.2), with_imu(mounting=UPSIDE_DOWN, frame="imu_link")
     for name, walk, faults, skip in (

@@ -6,8 +6,9 @@ from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 
+from tests.truth.geometry import Floats
 from tests.truth.outcome import Outcome, nearest
-from tests.truth.recording import Disturbance, Floats, Recording, Truth, disturbed
+from tests.truth.recording import Disturbance, Recording, Truth, disturbed
 from tests.truth.walking import Walk
 
 Status = Literal["right", "null", "wrong", "unexplained"]
@@ -113,7 +114,8 @@ class Case:
     @property
     def skipped(self) -> frozenset[str]:
         """Figures that are not judged."""
-        return frozenset(self.skip.split(", "))
+        given = frozenset(self.skip.split(", "))
+        return given | {name for name, others in _RESTS_ON.items() if others & given}
 
     def record(self) -> Recording:
         """Return the messages; the odometry comes a hundred times a second at most."""
@@ -135,6 +137,15 @@ class Judged:
     why: str = ""
 
 
+_RESTS_ON: Final = {
+    "stance": {"duty factor", "stride period"},
+    "propulsion": {"braking"},
+    "energy margin": {"margin"},
+    "pressure": {"margin"},
+}
+"""Figures that are not judged where others are not."""
+_OF_POINTS: Final = {"margin", "unstable margin", "energy margin", "pressure"}
+"""Figures of contact points."""
 STEPS: Final = {"touchdown", "lift_off"}
 SENSOR_FAULTS: Final = {"STUCK", "DEAD", "STOPPED", "SATURATED", "SPIKES"}
 """Findings of which events tell, too."""
@@ -147,10 +158,13 @@ HIDDEN: Final = 0.1
 STRUCTURAL: Final = {
     "peak force": "frame of the forces",
     "braking": "frame of the forces",
+    "propulsion": "frame of the forces",
     "impulse": "frame of the forces|mass not known",
     "height": "height|no contact points",
+    "energy margin": "height|no contact points",
     "froude": "height|no contact points",
     "slip": "foot_rolling_m|no contact points",
+    "forces over it": "frame of the forces",
     "slope": "no contact points|no plane|does not apply",
 }
 """Reasons that excuse a metric's being null in any log: what it needs was not recorded."""
@@ -257,12 +271,16 @@ def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
     if any(fraction is not None for fraction in told):
         yield Judged("feet without sensors", "null", _joined(told), "wrong")
     # Name, key, whose first part is the truth's field, how far it may be off, and whether of it.
+    period_s = truth.feet[0].stride_period_s or 1.0
     of_feet = (
         ("contact fraction", "contact_fraction", allow.contact, False),
         ("duty factor", "duty_factor.mean", allow.duty, False),
+        ("stance", "stance_s.median", allow.duty * period_s, False),
+        ("stance", "swing_s.median", allow.duty * period_s, False),
         ("stride period", "stride_period_s.median", allow.period, True),
         ("stride length", "stride_length_m.mean", allow.length, True),
         ("peak force", "peak_vertical_force_n.mean", allow.force, True),
+        ("peak force", "mean_vertical_force_n.mean", allow.force + 0.03, True),
         ("braking", "braking_impulse_ns.mean", 0.1, True),
         ("slip", "slip_m.median", 0.004, False),
     )
@@ -275,11 +293,22 @@ def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
     shares = [each.load_share for each in truth.feet]
     keys = [f"forces.load_share.feet.{foot}" for foot in names]
     yield _numbers(case, found, "load share", keys, shares, allow.share)
+    braked = [each.braking_impulse_ns for each in truth.feet]
+    keys = [f"feet.{foot}.propulsive_impulse_ns.mean" for foot in names]
+    yield _numbers(case, found, "propulsion", keys, braked, 0.1 * (braked[0] or 0.0))
+    frequency, hertz = ["gait.stride_frequency_hz"], 1.0 / period_s
+    yield _numbers(case, found, "stride period", frequency, [hertz], allow.period * hertz)
+    if len(names) == 4:
+        pairs = [sum(share or 0.0 for share in pair) for pair in (shares[:2], shares[::2])]
+        keys = [f"forces.load_share.{side}" for side in ("fore", "left")]
+        yield _numbers(case, found, "load share", keys, pairs, 2.0 * allow.share)
     yield _phases(case, recording, found)
     if truth.support is not None:
         keys = [f"gait.support.{count}" for count in truth.support]
         parts = list(truth.support.values())
         yield _numbers(case, found, "support", keys, parts, 3.5 * allow.contact)
+        flight = ["gait.flight_fraction"]
+        yield _numbers(case, found, "support", flight, parts[:1], 3.5 * allow.contact)
     if truth.segments:
         classes = tuple(each["gait"]["name"] for each in found.figure("gait.segments"))
         status = _right(classes == truth.segments)
@@ -290,18 +319,30 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
     truth, allow = recording.truth, case.tolerance
     speed = truth.forward_speed_mps
     within = max(allow.speed * speed, 0.01)
+    turned_rad = truth.yaw_rate_radps and truth.yaw_rate_radps * recording.seconds
+    push = 1.5 * allow.margin
+    undefined = None if case.faults else truth.undefined_fraction
+    unknown = None if undefined is None else 0.0
     wanted: tuple[tuple[str, str, float | None, float], ...] = (
         ("speed", "base.forward_speed_mps", speed, within),
         ("lateral speed", "base.lateral_speed_mps", truth.lateral_speed_mps, within),
         ("yaw rate", "base.yaw_rate_radps", truth.yaw_rate_radps, 0.01),
         ("path", "base.path_length_m", truth.path_length_m,
          0.05 + allow.speed * (truth.path_length_m or 0.0)),
+        ("path", "base.net_displacement_m", truth.net_displacement_m,
+         0.05 + allow.speed * (truth.net_displacement_m or 0.0)),
+        ("yaw rate", "base.yaw_change_rad", turned_rad, 0.02 + 0.01 * abs(turned_rad or 0.0)),
         ("height", "base.height_m.mean", truth.height_m, 0.02 * (truth.height_m or 0.0)),
         ("impulse", "forces.vertical_impulse_over_weight", truth.impulse_over_weight,
          allow.impulse),
         ("margin", "stability.static_margin_m.mean", truth.static_margin_m, allow.margin),
         ("unstable margin", "stability.unstable_fraction", truth.unstable_fraction, 0.03),
-        ("energy margin", "stability.energy_margin_m.mean", truth.energy_margin_m, 0.001),
+        ("unstable margin", "stability.undefined_fraction", undefined, 3.5 * allow.contact),
+        ("unstable margin", "stability.unknown_fraction", unknown, 0.01),
+        ("pressure", "stability.centre_of_pressure_forward_m.mean", truth.pressure_m[0], push),
+        ("pressure", "stability.centre_of_pressure_left_m.mean", truth.pressure_m[1], push),
+        ("energy margin", "stability.energy_margin_m.mean", truth.energy_margin_m,
+         0.3 * allow.margin),
         ("froude", "base.froude", truth.froude, 0.05 * (truth.froude or 0.0)),
         ("slope", "base.slope_rad", abs(truth.slope_rad), 0.01),
         ("pitch", "base.pitch_rad.mean", truth.pitch_rad, 0.01),
@@ -310,7 +351,7 @@ def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]
         ("forces over it", "imu.forces_over_accelerometer", truth.felt_mps2 and 1.0, 0.01),
     )  # fmt: skip
     for name, key, true, allowed in wanted:
-        if true is None or ("margin" in name and recording.kind in {"wrench", "spot"}):
+        if true is None or (name in _OF_POINTS and recording.kind in {"wrench", "spot", "flags"}):
             continue
         yield _numbers(case, found, name, [key], [true], allowed)
 

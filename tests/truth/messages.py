@@ -13,7 +13,7 @@ from rosbags.typesys import get_types_from_msg
 
 from tests.oracles.recorded import S
 from tests.oracles.walks import Entry, Walk, write_mcap
-from tests.truth.recording import Ints
+from tests.truth.geometry import Ints
 
 CONTACTS: Final = "gazebo_msgs/msg/ContactsState"
 IMU: Final = "sensor_msgs/msg/Imu"

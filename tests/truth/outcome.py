@@ -12,8 +12,9 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.report.verdict import headline, quality_of
+from tests.truth.geometry import Floats
 from tests.truth.log_file import write_log
-from tests.truth.recording import Floats, Recording
+from tests.truth.recording import Recording
 
 _MISSING = object()
 

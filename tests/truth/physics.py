@@ -16,20 +16,9 @@ import numpy as np
 
 import dogbot_logtool as dl
 from tests.oracles.walks import Entry
-from tests.truth.messages import (
-    CONTACTS,
-    IMU,
-    ODOMETRY,
-    TF,
-    WRENCH,
-    contact_state,
-    header,
-    messages,
-    transform,
-    write,
-)
+from tests.truth import messages
+from tests.truth.geometry import Floats, inverse, product, turned
 from tests.truth.parts import Part, urdf
-from tests.truth.recording import Floats, inverse, product, turned
 from tests.truth.robots import GRAVITY_MPS2
 
 STEP_S: Final = 0.001
@@ -224,14 +213,14 @@ def write_log(
 
     def add(topic: str, kind: str, time: Floats, **fields: Any) -> None:
         stamp = ORIGIN_NS + np.rint(time * 1e9).astype(np.int64)
-        entries.extend(messages(topic, kind, stamp, stamp, **fields))
+        entries.extend(messages.messages(topic, kind, stamp, stamp, **fields))
 
     if robot.parts and not by_transforms:
         add("/robot_description", "std_msgs/msg/String", np.zeros(1), data=urdf(robot.parts))
     if imu is not None:
         felt, turns = np.hsplit(imu[1][rows], 2)
         read = {"linear_acceleration": felt, "angular_velocity": turns}
-        add("/imu", IMU, seconds + imu_late_s, header=header(imu[0]), **read)
+        add("/imu", messages.IMU, seconds + imu_late_s, header=messages.header(imu[0]), **read)
     heard = (seconds < silence_s[0]) | (seconds >= silence_s[1])
     states = {"position": robot.position, "velocity": robot.velocity, "effort": robot.torque}
     for number, share in enumerate(np.array_split(np.arange(len(robot.joints)), publishers)):
@@ -239,32 +228,40 @@ def write_log(
         told = {name: each[rows][heard][:, share] for name, each in states.items()}
         names = [robot.joints[joint] for joint in share]
         kind = "sensor_msgs/msg/JointState"
-        add(topic, kind, seconds[heard], header=header(), name=names, **told)
+        add(topic, kind, seconds[heard], header=messages.header(), name=names, **told)
     if by_transforms:
         calves = [
-            transform("base_link", f"{foot}_calf", *np.split(robot.calf[rows, number], [3], axis=1))
+            messages.transform(
+                "base_link", f"{foot}_calf", *np.split(robot.calf[rows, number], [3], axis=1)
+            )
             for number, foot in enumerate(FEET)
         ]
-        add("/tf", TF, seconds, transforms=calves)
+        add("/tf", messages.TF, seconds, transforms=calves)
     if with_poses:
         speed = turned(inverse(robot.attitude), robot.base_velocity[:, 3:])[rows]
         pose = [[robot.base[rows], robot.attitude[rows]]]
-        world = {"header": header("world"), "child_frame_id": "base_link"}
-        add("/odom", ODOMETRY, seconds, **world, pose=pose, twist=[[speed]])
+        world = {"header": messages.header("world"), "child_frame_id": "base_link"}
+        add("/odom", messages.ODOMETRY, seconds, **world, pose=pose, twist=[[speed]])
     for number, foot in enumerate(FEET if with_feet else ()):
         topic = f"/{NAMES[number]}_foot_contact"
         force, point = robot.force[rows, number], robot.point[rows, number]
         if not (by_transforms if points is None else points):
             size = np.linalg.norm(force, axis=1)[:, None] * [0.0, 0.0, 1.0]
-            add(topic, WRENCH, seconds, header=header(f"{foot}_foot"), wrench=[size])
+            add(
+                topic,
+                messages.WRENCH,
+                seconds,
+                header=messages.header(f"{foot}_foot"),
+                wrench=[size],
+            )
             continue
         down = ~np.isnan(point).any(axis=1)
         name = f"robot::{foot}_calf::{foot}_collision"
-        state = contact_state(name, force[down], point[down], (0, 0, 1))
+        state = messages.contact_state(name, force[down], point[down], (0, 0, 1))
         for rows_of, states_of in ((~down, []), (down, [state])):
-            bumper = {"header": header(f"{foot}_calf"), "states": states_of}
-            add(topic, CONTACTS, seconds[rows_of], **bumper)
-    return write(path, entries)
+            bumper = {"header": messages.header(f"{foot}_calf"), "states": states_of}
+            add(topic, messages.CONTACTS, seconds[rows_of], **bumper)
+    return messages.write(path, entries)
 
 
 def measured(robot: Physics, **options: Any) -> dl.Walk:

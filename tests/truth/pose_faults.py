@@ -5,19 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import (
-    BaseRecording,
-    Disturbance,
-    Floats,
-    Recording,
-    about_axis,
-    at_times,
-    inverse,
-    of_base,
-    product,
-    turned,
-)
-from tests.truth.robots import GRAVITY_MPS2
+from tests.truth.geometry import Floats, about_axis, inverse, product, turned
+from tests.truth.recording import BaseRecording, Disturbance, Recording, at_times, of_base
 
 
 def feet_in_base(recording: Recording) -> Recording:
@@ -221,19 +210,6 @@ def jump(base: BaseRecording, at_s: float, metres: Sequence[float]) -> BaseRecor
 def pose_noise(base: BaseRecording, std_m: float) -> BaseRecording:
     """Add white noise to the base's position."""
     return _moved(base, np.random.default_rng(0).normal(0.0, std_m, base.position.shape))
-
-
-def driven(recording: Recording) -> Recording:
-    """Let the base go up and down as the feet's vertical forces drive it."""
-    time = np.arange(0.0, recording.seconds, 0.001)
-    force = sum(np.interp(time, foot.time, foot.force[:, 2]) for foot in recording.feet)
-    excess = force / recording.robot.mass_kg - GRAVITY_MPS2
-    speed = np.cumsum(excess) * 0.001
-    way = np.cumsum(speed - np.polyval(np.polyfit(time, speed, 1), time)) * 0.001
-    heave = way - np.polyval(np.polyfit(time, way, 1), time)
-    above = np.interp(recording.base.time, time, heave)
-    base = _moved(recording.base, np.outer(above, (0.0, 0.0, 1.0)))
-    return replace(recording, base=base)
 
 
 @of_base

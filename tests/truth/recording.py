@@ -1,19 +1,14 @@
 """Sensor messages of one robot as columns, and the truth about it."""
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import wraps
 from typing import Any, Concatenate, Literal, ParamSpec, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tests.truth.geometry import Flags, Floats, Ints
 from tests.truth.robots import Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 START_NS = 1_700_000_000_000_000_000
 """Header stamp of time 0."""
@@ -37,8 +32,9 @@ class FootTruth:
     stride_length_m: float | None = None
     """Horizontal."""
     peak_vertical_force_n: float | None = None
+    mean_vertical_force_n: float | None = None
     braking_impulse_ns: float | None = None
-    """A stance, against the base's forward axis: above 0."""
+    """A stance, against the base's forward axis: above 0; as much is propulsive."""
     slip_m: float | None = None
     """A stance."""
     load_share: float | None = None
@@ -58,7 +54,8 @@ class Truth:
     lateral_speed_mps: float | None = None
     yaw_rate_radps: float | None = None
     path_length_m: float | None = None
-    """Horizontal."""
+    """Horizontal; also `net_displacement_m`."""
+    net_displacement_m: float | None = None
     height_m: float | None = None
     """Of the base over the ground, while it stands or walks; None where it changes."""
     slope_rad: float = 0.0
@@ -75,8 +72,12 @@ class Truth:
     """Mean, of the base's ground projection, while three feet are down."""
     unstable_fraction: float | None = None
     """Share of the time in which that projection is outside of three feet that are down."""
+    undefined_fraction: float | None = None
+    """Share of the time in which fewer than three feet are down."""
     energy_margin_m: float | None = None
-    """Where it does not change."""
+    """Mean, on level ground."""
+    pressure_m: tuple[float | None, float | None] = None, None
+    """Mean place of the centre of pressure ahead of the base and to its left, on level ground."""
     felt_mps2: float | None = None
     """Mean of an accelerometer along the vertical, over whole strides."""
     falls_s: tuple[float, ...] = ()
@@ -282,79 +283,3 @@ def sample_times(seconds: float, rate_hz: float) -> Floats:
 def at_times(time: Floats, base: BaseRecording, vectors: Floats) -> Floats:
     """(n, ...) vectors of the base's poses at other times."""
     return np.stack([np.interp(time, base.time, column) for column in vectors.T], axis=1)
-
-
-def about_axis(axis: int, angle: Floats) -> Floats:
-    """(n, 4) quaternions x, y, z, w of turns about a coordinate axis."""
-    turn = np.zeros((len(angle), 4))
-    turn[:, axis], turn[:, 3] = np.sin(angle / 2.0), np.cos(angle / 2.0)
-    return turn
-
-
-def turned(rotation: Floats, vector: Floats) -> Floats:
-    """(n, 3) vectors turned by (n, 4) unit quaternions."""
-    along, real = rotation[:, :3], rotation[:, 3:]
-    twice = 2.0 * np.cross(along, vector)
-    return np.asarray(vector + real * twice + np.cross(along, twice))
-
-
-def product(first: Floats, second: Floats) -> Floats:
-    """(n, 4) quaternions: `second` in the frame of `first`."""
-    a, b = first[:, :3], second[:, :3]
-    imaginary = first[:, 3:] * b + second[:, 3:] * a + np.cross(a, b)
-    real = first[:, 3] * second[:, 3] - (a * b).sum(axis=1)
-    return np.concatenate([imaginary, real[:, None]], axis=1)
-
-
-def inverse(rotation: Floats) -> Floats:
-    """(n, 4) unit quaternions turned back."""
-    return rotation * [-1.0, -1.0, -1.0, 1.0]
-
-
-Point = tuple[float, float]
-
-
-def margins(feet: Floats, down: Flags, body: Floats) -> list[float]:
-    """Return the margins at the times with three feet down.
-
-    Args:
-        feet: (n, feet, 2) m.
-        down: (n, feet).
-        body: (n, 2) m.
-    """
-    return [
-        margin(hull([tuple(point) for point in standing[is_down].tolist()]), tuple(at.tolist()))
-        for standing, is_down, at in zip(feet, down, body, strict=True)
-        if is_down.sum() >= 3
-    ]
-
-
-def hull(points: Sequence[Point]) -> list[Point]:
-    """Return the convex hull, counter-clockwise: Andrew's monotone chain."""
-    ordered = sorted(points)
-
-    def chain(way: Sequence[Point]) -> list[Point]:
-        found: list[Point] = []
-        for point in way:
-            while len(found) > 1 and side(found[-2], found[-1], point) <= 0.0:
-                found.pop()
-            found.append(point)
-        return found[:-1]
-
-    return chain(ordered) + chain(ordered[::-1])
-
-
-def side(start: Point, end: Point, point: Point) -> float:
-    """Return twice the area of a triangle: positive for a point to the left of the way."""
-    return (end[0] - start[0]) * (point[1] - start[1]) - (end[1] - start[1]) * (point[0] - start[0])
-
-
-def margin(corners: Sequence[Point], point: Point) -> float:
-    """Return how far a point is inside a convex polygon; negative outside."""
-    inside, nearest, here = True, math.inf, complex(*point)
-    for start, end in zip(corners, (*corners[1:], corners[0]), strict=True):
-        inside &= side(start, end, point) >= 0.0
-        edge, to = complex(*end) - complex(*start), here - complex(*start)
-        part = min(max((to / edge).real, 0.0), 1.0)
-        nearest = min(nearest, abs(to - part * edge))
-    return nearest if inside else -nearest

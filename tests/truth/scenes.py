@@ -11,15 +11,14 @@ from typing import Final, TypeVar
 
 import numpy as np
 
+from tests.truth.geometry import Floats, about_axis
 from tests.truth.recording import (
     LOGGED_AFTER_NS,
     BaseRecording,
-    Floats,
     FootRecording,
     FootTruth,
     Recording,
     Truth,
-    about_axis,
     nanoseconds,
     sample_times,
 )
@@ -261,6 +260,10 @@ def _joined_truth(first: Recording, second: Recording, later: float) -> Truth:
         first.truth,
         feet=tuple(feet),
         path_length_m=None if None in ways else sum(each or 0.0 for each in ways),
+        net_displacement_m=None,
+        undefined_fraction=None,
+        energy_margin_m=None,
+        pressure_m=(None, None),
         height_m=None,
         impulse_over_weight=None,
         forward_speed_mps=way / (later + second.seconds),

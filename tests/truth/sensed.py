@@ -5,16 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.truth.recording import (
-    Disturbance,
-    Floats,
-    FootRecording,
-    Recording,
-    VectorRecording,
-    inverse,
-    product,
-    turned,
-)
+from tests.truth.geometry import Floats, inverse, product, turned
+from tests.truth.recording import Disturbance, FootRecording, Recording, VectorRecording
 from tests.truth.robots import GRAVITY_MPS2
 
 G = GRAVITY_MPS2
@@ -28,8 +20,9 @@ def with_imu(
     without_mps2: float = 0.0,
     noise_mps2: float = 0.0,
     frame: str = "base_link",
+    gyroscope: bool = False,
 ) -> Disturbance:
-    """Add the inertial unit of a robot whose feet feel all that moves it.
+    """Add the inertial unit of a robot whose feet feel all that moves it, while its poses are true.
 
     Forces must be in the world, at the times of the base's poses or more often.
 
@@ -39,38 +32,24 @@ def with_imu(
         without_mps2: gravity that it takes out.
         noise_mps2: standard deviation of white noise on each axis.
         frame: in its headers.
+        gyroscope: whether it tells turns, too.
     """
 
     def change(recording: Recording) -> Recording:
         base = recording.base
         world = acceleration(recording, base.time)
         world[:, 2] -= without_mps2
-        seat = np.tile(mounting, (len(base.time), 1))
-        sensed = turned(inverse(product(base.orientation, seat)), world) / unit_mps2
+        seats = product(base.orientation, np.tile(mounting, (len(base.time), 1)))
+        sensed = turned(inverse(seats), world) / unit_mps2
+        if gyroscope:
+            # Of small turns, the vector part is half of the turn.
+            half = product(inverse(seats[:-1]), seats[1:])[:, :3]
+            rate = 2.0 * half / np.diff(base.time)[:, None]
+            sensed = np.concatenate([sensed, np.concatenate([rate, rate[-1:]])], axis=1)
         sensed = sensed + np.random.default_rng(1).normal(0.0, noise_mps2, sensed.shape)
         imu = VectorRecording.sent(base.time, "/imu/data", "imu", sensed, frame)
         truth = replace(recording.truth, felt_mps2=G)
         return replace(recording, beside=(*recording.beside, imu), truth=truth)
-
-    return change
-
-
-def with_gyroscope(noise: float = 0.02) -> Disturbance:
-    """Let an inertial unit tell accelerations and turns of the true base: apply it first."""
-
-    def change(recording: Recording) -> Recording:
-        base = recording.base
-        seconds, back = base.time, inverse(base.orientation)
-        moves = np.gradient(np.gradient(base.position, seconds, axis=0), seconds, axis=0)
-        felt = turned(back, moves + np.array([0.0, 0.0, G]))
-        # Of small turns, the vector part is half of the turn.
-        half = product(back[:-1], base.orientation[1:])[:, :3]
-        rate = 2.0 * half / np.diff(seconds)[:, None]
-        rate = np.concatenate([rate, rate[-1:]])
-        both = np.concatenate([felt, rate], axis=1)
-        both += np.random.default_rng(3).normal(0.0, noise, both.shape)
-        imu = VectorRecording.sent(seconds, "/imu/data", "imu", both)
-        return replace(recording, beside=(*recording.beside, imu))
 
     return change
 

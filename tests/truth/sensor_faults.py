@@ -9,16 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from tests.truth.recording import (
-    Disturbance,
-    Floats,
-    FootRecording,
-    Recording,
-    inverse,
-    of_feet,
-    product,
-    turned,
-)
+from tests.truth.geometry import Floats, inverse, product, turned
+from tests.truth.recording import Disturbance, FootRecording, Recording, of_feet
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -10,8 +10,8 @@ import pytest
 import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import PERIOD_S, quadruped, trot
+from tests.truth.geometry import Floats
 from tests.truth.physics import Physics
-from tests.truth.recording import Floats
 
 SECONDS: Final = 4.0
 CALF: Final = np.arange(12) == 2

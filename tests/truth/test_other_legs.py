@@ -17,10 +17,10 @@ import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import HALF_LENGTH, HALF_WIDTH, LINK, OFFSET, PERIOD_S, SIDES, trot
 from tests.truth.gaits import Gait
+from tests.truth.geometry import Floats, inverse, turned
 from tests.truth.outcome import outcome
 from tests.truth.parts import Part
 from tests.truth.physics import FEET, NAMES, Physics
-from tests.truth.recording import Floats, inverse, turned
 from tests.truth.robots import spider
 from tests.truth.walking import Walk
 

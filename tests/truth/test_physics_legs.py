@@ -11,9 +11,9 @@ import pytest
 import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import HALF_WIDTH, HEAVY_KG, LEGS_KG, OFFSET, PERIOD_S, quadruped, trot
+from tests.truth.geometry import Floats, product
 from tests.truth.parts import urdf
 from tests.truth.physics import KEPT_S, resized
-from tests.truth.recording import Floats, product
 
 
 @cache

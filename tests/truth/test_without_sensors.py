@@ -13,9 +13,9 @@ from mcap_ros2.decoder import DecoderFactory
 
 import dogbot_logtool as dl
 from tests.truth.free_walker import HEAVY_KG, biped, quadruped
+from tests.truth.geometry import Floats, product, turned
 from tests.truth.parts import urdf
 from tests.truth.physics import Physics, resized, write_bare_log, write_log
-from tests.truth.recording import Floats, product, turned
 
 Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
 ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {

@@ -20,10 +20,10 @@ import numpy as np
 import dogbot_logtool as dl
 from tests.paths import ROOT
 from tests.truth.cases import groups
+from tests.truth.geometry import Floats
 from tests.truth.judging import faults, judge
 from tests.truth.outcome import measured_log, nearest, outcome
 from tests.truth.physics import write_bare_log
-from tests.truth.recording import Floats
 from tests.truth.test_without_sensors import ROBOTS, SOURCES, force_error_bw
 
 REACH_S: Final = 0.15

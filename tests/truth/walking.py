@@ -13,18 +13,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.truth.gaits import TROT, Gait
+from tests.truth.geometry import Floats, about_axis, margins, product, turned
 from tests.truth.recording import (
     BaseRecording,
-    Floats,
     FootRecording,
     FootTruth,
     Recording,
     Truth,
-    about_axis,
-    margins,
-    product,
     sample_times,
-    turned,
 )
 from tests.truth.robots import GRAVITY_MPS2, Robot, quadruped
 
@@ -223,6 +219,11 @@ class Walk:
     def truth(self) -> Truth:
         """Return what is true of the walk."""
         found = self._margins_m()
+        instants = len(sample_times(self.seconds, MARGIN_HZ))
+        x, y = self._way(np.array([self.seconds]))
+        level = not self.slope_rad
+        height = self.robot.height_m
+        rises = [float(np.hypot(each, height)) - height for each in found if each >= 0.0]
         return Truth(
             gait_class=self.gait.name,
             sequence=self.gait.sequence,
@@ -230,6 +231,7 @@ class Walk:
             forward_speed_mps=self._level * self.speed_mps,
             yaw_rate_radps=self.turn_radps or None,
             path_length_m=self._level * abs(self.speed_mps) * self.seconds,
+            net_displacement_m=self._level * float(np.hypot(x[0], y[0])),
             height_m=self.robot.height_m / self._level,
             slope_rad=self.slope_rad,
             froude=(self._level * self.speed_mps) ** 2
@@ -239,13 +241,22 @@ class Walk:
             climb_m=self.speed_mps * self.seconds * float(np.sin(self.slope_rad)),
             support=self.gait.support(),
             static_margin_m=float(np.mean(found)) if found else None,
-            unstable_fraction=self._unstable(found),
+            unstable_fraction=sum(each < 0.0 for each in found) / instants if found else None,
+            undefined_fraction=1.0 - len(found) / instants,
+            energy_margin_m=float(np.mean(rises)) if rises and level else None,
+            pressure_m=self._pressure_m() if level else (None, None),
         )
 
-    def _unstable(self, margins_m: list[float]) -> float | None:
-        """Return the share of the time with a margin below zero; None: never three feet down."""
-        instants = len(sample_times(self.seconds, MARGIN_HZ))
-        return sum(margin < 0.0 for margin in margins_m) / instants if margins_m else None
+    def _pressure_m(self) -> tuple[float, float]:
+        """Return the mean centre of pressure ahead of the base and to its left."""
+        time = sample_times(self.seconds, MARGIN_HZ)
+        load = np.stack([self.force(foot, time)[:, 2] for foot in range(len(self.robot.feet))])
+        time, load = time[load.sum(axis=0) > 0.0], load[:, load.sum(axis=0) > 0.0]
+        soles = np.stack([self.sole(foot, time) for foot in range(len(load))])
+        away = (load[:, :, None] * soles).sum(axis=0) / load.sum(axis=0)[:, None] - self.base(time)
+        ahead = self._forward(time)
+        left = ahead[:, 0] * away[:, 1] - ahead[:, 1] * away[:, 0]
+        return float((ahead[:, :2] * away[:, :2]).sum(axis=1).mean()), float(left.mean())
 
     def _margins_m(self) -> list[float]:
         """Return the margins of the base's ground projection."""
@@ -267,6 +278,7 @@ class Walk:
             stride_period_s=self.period_s,
             stride_length_m=self._stride_length_m(foot),
             peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
+            mean_vertical_force_n=self.mean_vertical_n(foot),
             braking_impulse_ns=self._level
             * self.traction
             * self.mean_vertical_n(foot)

@@ -11,10 +11,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rosbags.highlevel import AnyReader
 
-from dogbot_logtool.commands.convert import convert
+import dogbot_logtool as dl
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.mcap_layout import MESSAGE_HEAD
-from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.writer.channels import added_channels
 from dogbot_logtool.writer.chunks import (
     CHUNK_SIZE,
@@ -44,9 +43,8 @@ KIND = MessageType("a/B", "ros1msg", b"", "ros1")
 def test_a_converted_log_is_read_by_others(tmp_path: Path) -> None:
     kind = "gazebo_msgs/msg/ContactsState"
     path = walks.write_walk(tmp_path, kind, "rosbag2-sqlite3")
-    options = ConvertOptions(robot=str(walks.robot_file(tmp_path, kind)), encoding="ros2")
-    target = tmp_path / "out.mcap"
-    done = convert(path, target, options)
+    target, robot = tmp_path / "out.mcap", walks.robot_file(tmp_path, kind)
+    done = dl.convert(path, target, robot=str(robot), encoding="ros2")
 
     written = read_written(target)
     annotations = {topic: count for topic, count in done.annotations.items() if count}

@@ -4,7 +4,7 @@ Of records that describe one thing the first one holds. What stands in chunks co
 stands outside of them, since checksums vouch for it.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any, Final, NamedTuple
 
 from dogbot_logtool.reader.containers.loss import LONGEST_NAME, Loss
@@ -22,8 +22,8 @@ class Description(NamedTuple):
     """``channel``, ``schema`` or ``connection``."""
     number: int
     name: str
-    facts: Mapping[str, Any]
-    """All that it says besides its name."""
+    facts: Any
+    """All that it says, as the container's own code decodes it."""
 
 
 _Key = tuple[str, int]

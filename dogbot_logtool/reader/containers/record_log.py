@@ -89,10 +89,6 @@ class RecordLog(Log):
         """Offset and end of descriptions outside of chunks."""
         self._cut_off: int | None = None
         """Offset of the chunk that the end of the file cuts off."""
-        self._is_behind_damage = False
-        """What was passed over may be the head of a chunk whose messages come next."""
-        self._doubtful: set[int] = set()
-        """Offsets of messages outside of chunks that may be a damaged chunk's."""
         self._only_batch: Batch | None = None
 
     @abstractmethod
@@ -191,7 +187,6 @@ class RecordLog(Log):
 
     def _search(self, offset: int) -> int:
         """Go on at the next sound record; say what was passed over."""
-        self._is_behind_damage = True
         following = next_sound(self._format, self.source.read, offset + 1, self.source.size)
         count = following - offset
         if following == self.source.size:
@@ -232,7 +227,6 @@ class RecordLog(Log):
         if not chunk.is_compressed and end < size:
             known = known._replace(size=known.data_size)
         self.chunks.append(known)
-        self._is_behind_damage = False
         return end
 
     def _take_index(self, offset: int, end: int) -> None:
@@ -260,8 +254,6 @@ class RecordLog(Log):
             stop = bounds[-2]
         behind = offset + stop
         if stop:
-            if self._is_behind_damage:
-                self._doubtful.add(offset)
             self.chunks.append(Chunk(offset, offset, stop, behind, behind, "", stop))
         return behind if goes_on else self._search(behind)
 
@@ -290,11 +282,9 @@ class RecordLog(Log):
         """Read every chunk for counts, times and descriptions; keep those that can be used."""
         found, self.chunks = self.chunks, []
         has_checksums = any(chunk.crc for chunk in found)
-        behind_damage = False
         for chunk in found:
             # A damaged chunk may seem to end before its end, and messages to follow it.
-            is_doubtful = behind_damage or chunk.offset in self._doubtful
-            if has_checksums and is_doubtful and not chunk.is_record:
+            if has_checksums and self._losses and not chunk.is_record:
                 what = (
                     f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
                     "belong to a damaged chunk"
@@ -304,9 +294,7 @@ class RecordLog(Log):
             known = chunk._replace(**self._stated.get(chunk.offset, {}))
             try:
                 self.chunks.append(self._read_chunk(known))
-                behind_damage = False
             except ChunkDamage as damage:
-                behind_damage = True
                 is_cut = chunk.offset == self._cut_off
                 what = "it is cut off by the end of the file" if is_cut else str(damage)
                 self._losses.append(left_out(known, ChunkDamage(what, damage.messages)))

@@ -1,7 +1,7 @@
 """Poses of the base, read of messages by any row of the table."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
@@ -48,12 +48,19 @@ class Base(NamedTuple):
     """The source of the base's poses."""
 
     source: Source
+    channels: tuple[Channel, ...]
     element: str = ""
     """Which of the poses in a message: a model, a link, a pair of frames; empty: the only one."""
 
-    def read(self, batch: Batch, channels: Sequence[Channel]) -> list[BasePoses]:
+    @property
+    def name(self) -> str:
+        """Its name as ``--odom-topic`` takes it."""
+        topic = self.channels[0].topic
+        return f"{topic}:{self.element}" if self.element else topic
+
+    def read(self, batch: Batch) -> list[BasePoses]:
         """Read the poses of a batch; one entry a definition, nearly always one."""
-        decoded = decode_channels(batch, channels, self.source.columns)
+        decoded = decode_channels(batch, self.channels, self.source.columns)
         return [_read(self.source, messages, self.element) for messages in decoded]
 
 

@@ -1,6 +1,6 @@
 """Contact messages of a batch, read by whatever row of the table fits them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -89,11 +89,9 @@ class ReadContacts(NamedTuple):
     """The contact states that the samples were made of; None: messages have none."""
 
 
-def read_contacts(
-    batch: Batch, channels: Sequence[Channel], feet: FootChannels
-) -> list[ReadContacts]:
+def read_contacts(batch: Batch, feet: FootChannels) -> list[ReadContacts]:
     """Read the contact messages of a batch; one entry a definition, nearly always one."""
-    sources = ((channel, foot_source(channel, feet.of(channel.id))) for channel in channels)
+    sources = ((channel, foot_source(channel, feet.of(channel))) for channel in feet.of_channel)
     return [_read(source, messages, feet) for source, messages in decoded_by(batch, sources)]
 
 

@@ -10,14 +10,13 @@ from dogbot_logtool.core.contact.contacts import Samples, no_samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.rotations import conjugate, normalised, rotate
 from dogbot_logtool.core.settings import leg_names
+from dogbot_logtool.reader.containers.log import Channel
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.reader.messages.source import Source
 
-_HANDS: Final = ("lhsensor", "rhsensor", "hand", "arm", "wrist")
-"""Words in names of sensors that are no feet, beside sensors that are called by their legs."""
 _READ: Final = ("flag", "force", "point", "normal")
 Values = Mapping[str, Floats]
 """(n, w) numbers of one foot, by the row's field; NaN where a message lacks it."""
@@ -28,17 +27,18 @@ class FootChannels(NamedTuple):
 
     feet: Sequence[Foot]
     """The robot's feet."""
-    of_channel: Mapping[int, tuple[int, ...]]
-    """Indices in `feet` by channel id; several where one message tells of several feet."""
+    of_channel: Mapping[Channel, tuple[int, ...]]
+    """Indices in `feet`; several where one message tells of several feet."""
 
-    def of(self, channel: int) -> tuple[Foot, ...]:
-        """Return the feet of a channel, by its id."""
-        return tuple(self.feet[index] for index in self.of_channel.get(channel, ()))
+    def of(self, channel: Channel) -> tuple[Foot, ...]:
+        """Return the feet of a channel."""
+        return tuple(self.feet[index] for index in self.of_channel[channel])
 
     def single(self, channel: Ints) -> Ints:
         """(n,) foot index of messages that tell of one foot each."""
-        ids = np.array(sorted(self.of_channel), np.int64)
-        feet = np.array([self.of_channel[number][0] for number in ids.tolist()], np.int64)
+        foot_of = {each.id: feet[0] for each, feet in self.of_channel.items()}
+        ids = np.array(sorted(foot_of), np.int64)
+        feet = np.array([foot_of[number] for number in ids.tolist()], np.int64)
         return feet[np.searchsorted(ids, channel)]
 
 
@@ -47,7 +47,7 @@ def read_feet(source: Source, messages: DecodedMessages, feet: FootChannels) -> 
     stamp, parts = source.stamps(messages), [no_samples()]
     values_of = _values_by_label if source.row.label else _values_by_element
     for index, values in enumerate(values_of(source, messages, feet.feet)):
-        channels = [number for number, told in feet.of_channel.items() if index in told]
+        channels = [each.id for each, told in feet.of_channel.items() if index in told]
         rows = np.flatnonzero(np.isin(messages.channel, channels))
         if not len(rows):
             continue
@@ -178,30 +178,23 @@ def _points(source: Source, values: Values, touches: Flags) -> tuple[Ints, Float
     return points, np.where(placed[:, None], point, np.nan), normal
 
 
-def feet_in(source: Source, messages: DecodedMessages) -> list[Foot]:
-    """Find the feet that messages tell of, without a topic; none where they are not about feet.
+def feet_in(source: Source, messages: DecodedMessages) -> Sequence[str]:
+    """Return the labels of the feet that messages tell of, or else names in the messages' order.
 
-    A foot without a name is told by its label, or by its index in the messages' arrays.
+    None where they are not about feet.
     """
     row, table = source.row, messages.table
     if row.by_place:
-        return [Foot(name, "") for name in _legs_by_place(source, messages)]
+        return _legs_by_place(source, messages)
     if not row.label:
         forces = [path.values(table) for path in source.paths.get("force", ())]
         told = all(np.isfinite(each).all(axis=(1, 2)).any() for each in forces)
-        return [Foot(name, "") for name in row.legs if told or not row.maybe_without_legs]
+        return row.legs if told or not row.maybe_without_legs else ()
     _, texts = source.paths["label"][0].texts(table)
     if row.only is not None:
         kind = source.paths["only"][0].all_values(table)[:, 0]
         texts = texts.pick(np.flatnonzero(kind == row.only[1]))
-    labels = [name for name in sorted(texts.encode()[1])[:MOST_ELEMENTS] if name]
-    if row.label_names is None:
-        return [Foot("", "", label=label) for label in labels]
-    return [
-        Foot(row.label_names.get(label.lower(), ""), "", label=label)
-        for label in labels
-        if not any(hand in label.lower() for hand in _HANDS)
-    ]
+    return [label for label in sorted(texts.encode()[1])[:MOST_ELEMENTS] if label]
 
 
 def _legs_by_place(source: Source, messages: DecodedMessages) -> Sequence[str]:

@@ -65,8 +65,6 @@ class MessageType(NamedTuple):
     """Words for each leg, in place of ``{}``."""
     label: str = ""
     """Name of the foot, beside its values; then the order does not matter."""
-    label_names: Mapping[str, str] | None = None
-    """Legs by labels, in small letters, that do not name them."""
     only: tuple[str, int] | None = None
     """A number beside the label, and its value for feet; others are hands."""
     by_place: bool = False

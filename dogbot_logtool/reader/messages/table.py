@@ -177,8 +177,7 @@ def _feet() -> Iterator[Row]:
               above=0.01)
     # `act_contact_states` are measured, `ref_contact_states` planned; hands stand among the feet.
     yield Row("hrpsys_ros_bridge/ContactStatesStamped", label="states[].header.frame_id",
-              label_names={"lfsensor": "left", "rfsensor": "right"}, flag="states[].state.state",
-              planned="by name")
+              flag="states[].state.state", planned="by name")
 
 
 def _plans() -> Iterator[Row]:

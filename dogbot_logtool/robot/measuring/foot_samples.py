@@ -146,7 +146,7 @@ def _with_levels(
             )
             robot = replace(robot, feet=tuple(shifted))
     findings = [each for each in selection.findings if "counts" not in each.cases]
-    own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each.id]))
+    own = (each for each in selection.contacts if not {*raw}.isdisjoint(selection.feet_of[each]))
     unscaled = [robot.feet[row] for row in raw]
     types = dict.fromkeys(channel.type_name for channel in own)
     findings += (not_calibrated(robot, unscaled, name, say, told) for name in types)

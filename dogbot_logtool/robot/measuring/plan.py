@@ -63,8 +63,7 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
         joints=joints,
         commands=commands,
         accelerations=accelerations,
-        planned=planned.contacts if planned else (),
-        planned_feet=planned.foot_channels() if planned else None,
+        planned=planned.wanted().feet if planned else None,
         limits=time_limits(log, options.start, options.end),
     )
     return MeasuringPlan(selection, planned, wanted, findings)

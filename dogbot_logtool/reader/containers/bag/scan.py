@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import Final
 
@@ -190,15 +191,12 @@ class BagLog(RecordLog):
         return int(index.log_time.min()), int(index.log_time.max())
 
     def _described_channels(self) -> Mapping[int, Channel]:
-        schemas: dict[tuple[str, bytes], Schema] = {}
+        schemas: dict[Schema | None, Schema] = {}
         channels: dict[int, Channel] = {}
-        for each in self.descriptions.of_kind("connection"):
-            id_ = channel_id(each.number)
-            facts = each.facts
-            name, data = facts["type"], facts["definition"]
-            new = Schema(len(schemas) + 1, name, "ros1msg", data)
-            schema = schemas.setdefault((name, data), new)
-            channels[id_] = Channel(id_, facts["topic"], "ros1", schema, facts["header"])
+        for _, _, _, channel in self.descriptions.of_kind("connection"):
+            new = channel.schema._replace(id=len(schemas) + 1)
+            schema = schemas.setdefault(channel.schema, new)
+            channels[channel.id] = replace(channel, schema=schema)
         return channels
 
 
@@ -232,12 +230,13 @@ def _connection(record: bytes) -> Description | None:
     except MalformedRecord:
         return None
     texts = {key: value.decode("utf-8", "replace") for key, (_, value) in header.items()}
-    name = texts.pop("type", "")
-    definition = texts.pop("message_definition", "").encode()
+    schema = Schema(
+        0, texts.pop("type", ""), "ros1msg", texts.pop("message_definition", "").encode()
+    )
     texts.pop("topic", None)
-    facts = {"topic": topic, "type": name, "definition": definition, "header": texts}
-    described = Description("connection", number, f"{topic} of type {name}", facts)
-    return described if name and number < _MOST_CONNECTIONS else None
+    channel = Channel(channel_id(number), topic, "ros1", schema, texts)
+    described = Description("connection", number, f"{topic} of type {schema.name}", channel)
+    return described if schema.name and number < _MOST_CONNECTIONS else None
 
 
 def _index_record(behind: memoryview, offset: int) -> IndexRecord | None:

@@ -106,17 +106,12 @@ def decode_record(
 
 def described(record: bytes) -> Description | None:
     """Decode the record of a schema or a channel; None: it is malformed."""
-    body = record[RECORD_HEAD.size :]
     kind = records.Schema if record[0] == Opcode.SCHEMA else records.Channel
-    facts: dict[str, object]
-    match decode_record(kind, body):
-        case records.Schema() as schema:
-            facts = {"encoding": schema.encoding, "definition": schema.data}
-            return Description("schema", schema.id, schema.name, facts)
-        case records.Channel() as channel:
-            facts = {"encoding": channel.message_encoding, "schema": channel.schema_id}
-            facts["metadata"] = channel.metadata
-            return Description("channel", channel.id, channel.topic, facts)
+    match found := decode_record(kind, record[RECORD_HEAD.size :]):
+        case records.Schema():
+            return Description("schema", found.id, found.name, found)
+        case records.Channel():
+            return Description("channel", found.id, found.topic, found)
     return None
 
 

@@ -211,16 +211,19 @@ class McapLog(RecordLog):
 
     def _described_channels(self) -> Mapping[int, Channel]:
         schemas = {
-            each.number: Schema(each.number, each.name, *each.facts.values())
+            each.number: Schema(each.number, each.name, each.facts.encoding, each.facts.data)
             for each in self.descriptions.of_kind("schema")
         }
-        channels: dict[int, Channel] = {}
-        for each in self.descriptions.of_kind("channel"):
-            encoding, schema, metadata = each.facts.values()
-            channels[each.number] = Channel(
-                each.number, each.name, encoding, schemas.get(schema), metadata
+        return {
+            each.id: Channel(
+                each.id,
+                each.topic,
+                each.message_encoding,
+                schemas.get(each.schema_id),
+                each.metadata,
             )
-        return channels
+            for _, _, _, each in self.descriptions.of_kind("channel")
+        }
 
     def _without_schema(self) -> list[Loss]:
         """Return what to say of channels whose schema is nowhere described."""
@@ -228,7 +231,7 @@ class McapLog(RecordLog):
         return [
             Loss(0, what.format(schema, each.name[:LONGEST_NAME]))
             for each in self.descriptions.of_kind("channel")
-            if (schema := each.facts["schema"])
+            if (schema := each.facts.schema_id)
             and ("schema", schema) not in self.descriptions.first
         ]
 
