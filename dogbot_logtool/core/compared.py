@@ -43,7 +43,6 @@ from dogbot_logtool.core.vectors import (
     AXES,
     TRACKING_HZ,
     CommandTrack,
-    ForceComparison,
     ImuComparison,
     PlannedFoot,
     Reading,
@@ -285,18 +284,18 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
     turn, tilt_rad = _between(mean, wanted) if size >= NO_GRAVITY * GRAVITY_MPS2 else (_LEVEL, None)
     off = rotate(turn[None], means[:, :3]) - scale * expected
     reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
-    forces = None
+    ratio, odd_foot = None, None
     if reading == "m/s^2":
         world = _integral(at, rotate(attitude, rotate(turn[None], body)))
-        forces = _compare_forces(walk, world, time, half)
+        ratio, odd_foot = _compare_forces(walk, world, time, half)
     metrics = Imu(
         topic=sensed.topic,
         known_s=len(time) / CELL_RATE_HZ,
         accelerometer_mps2=size,
         tilt_rad=None if reading == "unclear" else tilt_rad,
-        forces_over_accelerometer=None if forces is None else forces.ratio,
+        forces_over_accelerometer=ratio,
     )
-    return ImuComparison(metrics, reading, scale, forces)
+    return ImuComparison(metrics, reading, scale, odd_foot)
 
 
 def _reading(size: float, scale: float, off: float) -> Reading:
@@ -346,8 +345,10 @@ def _between(first: Floats, second: Floats) -> tuple[Floats, float]:
 
 def _compare_forces(
     walk: Walk, world: Integral, time: Ints, half_ns: int
-) -> ForceComparison | None:
-    """Return what the forces say; None where they are not known for long enough.
+) -> tuple[float | None, tuple[int, float] | None]:
+    """Return forces over what the accelerometer says, and the odd foot, as in `ImuComparison`.
+
+    None of both where forces are not known for long enough.
 
     Args:
         walk: its feet, which carry the robot in whole strides only.
@@ -358,20 +359,20 @@ def _compare_forces(
     feet, mass_kg = walk.records, walk.settings.mass_kg
     apart = walk.feet_clocks_are_apart or walk.base_is_apart or walk.settings.lacks_feet
     if mass_kg is None or apart or not walk.vertical_known:
-        return None
+        return None, None
     known = timespans.intersect(
         [timespans.merge(walk.strides), *(foot.vertical_known for foot in feet)]
     )
     rows = timespans.hold_window(known, time, half_ns, half_ns)
     time = time[rows]
     if len(time) < FEWEST:
-        return None
+        return None, None
     expected = mass_kg * float(world.mean(time, 2 * half_ns)[:, 2].mean())
     cells, half_cell = time + _CELL_NS // 2, _CELL_NS // 2
     wanted = mass_kg * world.mean(cells, 2 * half_cell)[:, 2]
     by_cell = mean_impulses(feet, "vertical_impulse", cells, half_cell)
     vertical = float(mean_impulses(feet, "vertical_impulse", time, half_ns).sum(axis=1).mean())
-    return ForceComparison(vertical / expected, odd_scale(by_cell, wanted, mass_kg))
+    return vertical / expected, odd_scale(by_cell, wanted, mass_kg)
 
 
 def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, float] | None:
@@ -383,11 +384,10 @@ def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, fl
         mass_kg: of the robot.
 
     Returns:
-        The odd foot, as in `ForceComparison`.
+        The odd foot, as in `ImuComparison`.
     """
     total = vertical.sum(axis=1)
-    # Feet that always press together have no factors of their own.
-    if not total.any() or np.linalg.cond(vertical) > 1e3:
+    if not total.any():
         return None
     inverse = np.linalg.pinv(vertical.T @ vertical)
     factors = inverse @ (vertical.T @ wanted)

@@ -16,7 +16,6 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, distinct, means_by_group, median_of
 from dogbot_logtool.core.base.ground import seen_from_base
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.base.witness import likeness
 from dogbot_logtool.core.clock import CLOCK_SHARE_OF_STRIDE, LONGEST_DELAY_S
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.loads import CELL_RATE_HZ, mean_impulses, vertical_is_known
@@ -162,10 +161,6 @@ class Worlds(NamedTuple):
         most = MOST_DRIFT if self.drifts else MOST_CHANGE
         return self.shift_m <= most * self.spread_m and self.beyond_fraction <= MOST_BEYOND
 
-    def lose_track(self, path_m: float) -> bool:
-        """Tell whether base and feet drift so far apart that a path, m, is doubtful."""
-        return not self.agree and self.drifts and self.shift_m > MOST_OF_PATH * path_m
-
 
 def compare_worlds(
     feet: Sequence[FootHistory], base: BaseHistory, period_s: float | None
@@ -234,8 +229,8 @@ def trend(values: Floats) -> tuple[Floats, float]:
 
 LIKELY: Final = 0.97
 """Share of what the best delay explains, from which another is as likely."""
-FOLLOWS: Final = 0.9
-"""Correlation of both ways from which the base follows the forces."""
+FOLLOWS: Final = 0.81
+"""Share of the heave that forces must explain where the base follows them."""
 AS_FAR: Final = (0.75, 1.33)
 """How far the base may go, against what the forces say."""
 LEAST_STRIDES: Final = 6
@@ -287,14 +282,12 @@ def long_delay(
         return None
     time = start + np.arange(cells) * _CELL_NS
     force = mean_impulses(feet, "vertical_impulse", time + _CELL_NS // 2, _CELL_NS // 2).sum(axis=1)
-    if not force.mean() > 0.0:
-        return None
     # The sum of cells is known at their ends, the sum of those half a cell later.
     driven, at = _driven_heave(force, window), (time - start) / 1e9 + 1.5 / CELL_RATE_HZ
     heave = _about_mean(base.position_at(time + 3 * _CELL_NS // 2)[:, 2], window)
     edge = 2 * window + int(_LATEST_S * CELL_RATE_HZ) + 2
     inside = np.isfinite(heave) & (np.arange(cells) >= edge) & (np.arange(cells) < cells - edge)
-    if not inside.any():
+    if not (inside.any() and force.mean() > 0.0):
         return None
     found = _best_fit(heave[inside], [np.interp(at[inside] - lag, at, driven) for lag in _LAGS_S])
     least = max(CLOCK_SHARE_OF_STRIDE * period_s, LONGEST_DELAY_S)
@@ -311,15 +304,15 @@ def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
     Returns:
         None where it does not explain it closely.
     """
-    fits = [likeness(heave - heave.mean(), each - each.mean()) for each in driven]
-    correlation = np.array([coherence for _, coherence, _ in fits])
-    best = int(correlation.argmax())
-    gain, _, angle_rad = fits[best]
-    if correlation[best] < FOLLOWS or angle_rad or not AS_FAR[0] <= gain <= AS_FAR[1]:
+    own, tried = heave - heave.mean(), [each - each.mean() for each in driven]
+    gains = np.array([own @ each / (each @ each) for each in tried])
+    explained = np.array([gain * (own @ each) for gain, each in zip(gains, tried, strict=True)])
+    explained *= (gains > 0.0) / (own @ own)
+    best = int(explained.argmax())
+    if not (explained[best] >= FOLLOWS and AS_FAR[0] <= gains[best] <= AS_FAR[1]):
         return None
-    likely = _LAGS_S[correlation**2 >= LIKELY * correlation[best] ** 2]
-    low, high = float(likely.min()), float(likely.max())
-    return Delay(float(_LAGS_S[best]), low, high)
+    likely = _LAGS_S[explained >= LIKELY * explained[best]]
+    return Delay(float(_LAGS_S[best]), float(likely.min()), float(likely.max()))
 
 
 def _driven_heave(force: Floats, window: int) -> Floats:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import AnyColumns, Floats, Ints
+from dogbot_logtool.core.arrays import Floats, Ints
 from dogbot_logtool.core.base.ground import FootPath, path_in_base, path_of
 from dogbot_logtool.core.base.motion import leaning_walk_rad
 from dogbot_logtool.core.base.poses import BaseHistory, Odometry, base_history
@@ -250,7 +250,7 @@ def _vectors(
         return None
     from dogbot_logtool.core.vectors import vector_history  # noqa: PLC0415
 
-    return vector_history(topic, recorded.samples, recorded.frames, settings.clock, behind)
+    return vector_history(topic, recorded, settings.clock, behind)
 
 
 def _topic_qualities(
@@ -290,7 +290,7 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
     Returns:
         the recording, and what was done.
     """
-    every: list[Samples | Odometry] = [*recording.feet, recording.base]
+    every: list[Any] = [*recording.feet, recording.base]
     speaking = [each for each in every if len(each.log_time)]
     stamped = [each for each in speaking if has_own_stamps(each)]
     if not stamped or len(stamped) == len(speaking):
@@ -303,15 +303,10 @@ def on_one_clock(recording: Recording, topic: str) -> tuple[Recording, tuple[Fin
     speed = float(stamp[-1] - stamp[0]) / float(log_time[-1] - log_time[0])
     if abs(speed - 1.0) <= SAME_SPEED:
         return recording, ()
-
-    def on_clock(columns: AnyColumns) -> AnyColumns:
-        own: Any = columns
-        alike: AnyColumns = replace(own, stamp=clock_at(own.log_time, log_time, stamp))
-        return columns if has_own_stamps(own) else alike
-
-    changed = replace(
-        recording, feet=tuple(map(on_clock, recording.feet)), base=on_clock(recording.base)
-    )
+    for row, each in enumerate(every):
+        if not has_own_stamps(each):
+            every[row] = replace(each, stamp=clock_at(each.log_time, log_time, stamp))
+    changed = replace(recording, feet=tuple(every[:-1]), base=every[-1])
     names = ("odometry", "feet") if has_own_stamps(recording.base) else ("feet", "odometry")
     words: Words = {"stamped": names[0], "others": names[1], "speed": speed}
     return changed, (found("CLOCK_OFFSET", "little", say="others", where=topic, **words),)

@@ -86,9 +86,6 @@ BOUNCE: Final = 0.2
 """Share of the usual swing below which a swing is a bounce, at touchdown or lift-off."""
 SHORT_STANCE: Final = 0.5
 """Share of the usual stance below which a contact is no step."""
-STRIDE_GOES_ON: Final = 1.4
-"""Times the usual swing that two swings and a contact between them last at most, if they are one
-swing in which the foot hits something."""
 SAMPLES: Final = 2.0
 """Sampling intervals by which a swing must be too short."""
 
@@ -321,10 +318,8 @@ def _early_touchdowns(walk: Walk, row: int) -> Iterator[Event]:
     early &= usual_swing - swing > SAMPLES * (steps.record.median_interval_s or 0.0)
     # After a contact that is no step, a short swing is the rest of the swing before it.
     early[1:] &= ~short[:-1]
-    rest = np.append(swing[1:], np.nan)
-    whole_swing = swing + stance + rest
-    goes_on = (rest > BOUNCE * usual_swing) & (whole_swing < STRIDE_GOES_ON * usual_swing)
-    for at in np.flatnonzero(early & (goes_on | ~short)).tolist():
+    whole_swing = swing + stance + np.append(swing[1:], np.nan)
+    for at in np.flatnonzero(early & (~short | np.isfinite(whole_swing))).tolist():
         onset, end = int(stances.touchdown[at]), int(stances.liftoff[at])
         if short[at]:
             done = float(swing[at] / whole_swing[at])

@@ -157,7 +157,7 @@ def _with_leg(
         of_strides["stride_length_m"] = leg.swings["swing_length_m"]
         foot = foot._replace(length_from="foot_frame")
     # The middle of a ball rolls with it: less the rolling, if that is known.
-    rolling = 0.0 if chain.touches else walk.settings.foot_rolling_m
+    rolling = 0.0 if any(chain.point) else walk.settings.foot_rolling_m
     if rolling is not None:
         slips = {
             "slip_m": slip_m(leg.stood.slip_m, rolling),
@@ -168,13 +168,26 @@ def _with_leg(
 
 
 def _steps(walk: Walk, row: int, legs: Sequence[LegFoot]) -> dict[str, Floats]:
-    """Return the steps of a foot against the other of its pair, where both are known."""
+    """Return the steps that a foot's swings end with, where both feet of its pair are known.
+
+    Returns:
+        (strides,) m each, from the other foot's footfall along the foot's own swing, and across it.
+    """
     others = [other for other in range(len(legs)) if other != row and walk.paired(row, other)]
     own = legs[row].stood
     other = legs[others[0]].stood if len(others) == 1 else None
     if own is None or other is None:
         return {}
-    return steps(walk.feet[row].strides, own, other, walk.feet[others[0]].stances.touchdown)
+    strides = walk.feet[row].strides
+    before, after = own.position[strides.stance], own.position[strides.stance + 1]
+    last = np.searchsorted(walk.feet[others[0]].stances.touchdown, strides.end) - 1
+    there = np.where((last >= 0)[:, None], other.position[last], np.nan)
+    swing, step = (after - before)[:, :2], (after - there)[:, :2]
+    length = np.hypot(*swing.T)
+    length[~(length >= SHORTEST_STEP_M)] = np.nan
+    across = np.abs(step[:, 0] * swing[:, 1] - step[:, 1] * swing[:, 0])
+    along = (step * swing).sum(axis=1)
+    return {"step_length_m": along / length, "step_width_m": across / length}
 
 
 def _joints(
@@ -243,12 +256,9 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
 
 APPROACH_S: Final = 0.03
 """s before a touchdown that its velocity is taken from."""
-FEWEST_ROWS: Final = 4
-"""Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
-STEPS: Final = ("step_length_m", "step_width_m")
 
 
 def swings(
@@ -301,57 +311,26 @@ def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
     squared = displacement[..., 0] ** 2 + displacement[..., 1] ** 2
     since = position - before
     along = since[..., 0] * displacement[..., 0] + since[..., 1] * displacement[..., 1]
-    share = np.where(squared > 1e-6, along / np.maximum(squared, 1e-6), 0.5)
-    height: Floats = since[..., 2] - np.clip(share, 0.0, 1.0) * displacement[..., 2]
+    share = np.clip(along / np.maximum(squared, 1e-6), 0.0, 1.0)
+    height: Floats = since[..., 2] - share * displacement[..., 2]
     return height
 
 
 def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:
     """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
 
-    It is the slope there of the parabola that fits the path's last rows, `APPROACH_S` of them but
-    at least four. NaN where path or contacts are told too rarely, or the swing is shorter.
+    It is the slope there of the parabola through three places, `APPROACH_S` from the first to the
+    last. NaN where path or contacts are told too rarely, or the swing is shorter.
     """
-    velocity = np.full((len(strides.end), 3), np.nan)
     if is_slow(path, contact_interval_s):
-        return velocity
-    interval = float(median_of(np.diff(path.time)))
-    rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
+        return np.full((len(strides.end), 3), np.nan)
     aloft = strides.end - round(contact_interval_s * 1e9)
-    last = np.searchsorted(path.time, aloft, side="right") - 1
-    chosen = last[:, None] + np.arange(1 - rows, 1)
-    known = chosen[:, 0] >= 0
-    chosen = np.maximum(chosen, 0)
-    known &= path.time[chosen[:, 0]] >= strides.liftoff
-    known &= ~path.broken[chosen[:, 1:]].any(axis=1) & (aloft - path.time[last] <= 2 * interval)
-    since_s = (path.time[chosen[known]] - aloft[known, None]) / 1e9
-    slope = np.linalg.pinv(np.stack([since_s**0, since_s, since_s**2], axis=-1))[:, 1]
-    velocity[known] = np.einsum("nt,ntc->nc", slope, path.position[chosen[known]])
+    last = path.time[np.searchsorted(path.time, aloft, side="right") - 1]
+    step = round(APPROACH_S / 2.0 * 1e9)
+    before, middle, end = (path.at(last - back * step) for back in (2, 1, 0))
+    ahead = ((aloft - last) / step)[:, None] + 0.5
+    slope = 2.0 * (ahead + 1.0) * end - 4.0 * (ahead + 0.5) * middle + 2.0 * ahead * before
+    velocity: Floats = slope / (2.0 * step / 1e9)
+    known = path.unbroken(last - 2 * step, aloft) & (last - 2 * step >= strides.liftoff)
+    velocity[~known] = np.nan
     return velocity
-
-
-def steps(
-    strides: Strides, stood: Footfalls, other: Footfalls, other_touchdown: Ints
-) -> dict[str, Floats]:
-    """Measure the steps that a foot's swings end with, against the other foot of its pair.
-
-    Args:
-        strides: of the foot.
-        stood: its footfalls, by stance.
-        other: those of the other foot.
-        other_touchdown: (k,) ns, of the other foot.
-
-    Returns:
-        (strides,) each of `STEPS`: m from the other foot's footfall along the foot's own swing, and
-        across it; NaN where not known.
-    """
-    before, after = stood.position[strides.stance], stood.position[strides.stance + 1]
-    row = np.searchsorted(other_touchdown, strides.end) - 1
-    there = np.full((len(row), 3), np.nan)
-    there[row >= 0] = other.position[row[row >= 0]]
-    displacement, step = (after - before)[:, :2], (after - there)[:, :2]
-    length = np.hypot(displacement[:, 0], displacement[:, 1])
-    length[~(length >= SHORTEST_STEP_M)] = np.nan
-    along = (step * displacement).sum(axis=1) / length
-    across = np.abs(step[:, 0] * displacement[:, 1] - step[:, 1] * displacement[:, 0]) / length
-    return dict(zip(STEPS, (along, across), strict=True))

@@ -5,7 +5,6 @@ their log times, put on the clock of the base by how far the base's stamps lie b
 delay then includes that of the recorder, and a finding says so.
 """
 
-from collections.abc import Iterable
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -25,7 +24,7 @@ from dogbot_logtool.core.clock import (
 )
 from dogbot_logtool.core.metrics import Commands, Imu, Planned, Tracking, Turning
 from dogbot_logtool.core.quality import steady_gap_ns
-from dogbot_logtool.core.recording import VectorSamples
+from dogbot_logtool.core.recording import VectorSamples, VectorTopic
 from dogbot_logtool.core.records import Number
 
 MOST: Final = 1e6
@@ -54,21 +53,17 @@ class VectorHistory(NamedTuple):
 
 
 def vector_history(
-    topic: str,
-    samples: VectorSamples,
-    frames: Iterable[str],
-    clock: TimeSource,
-    base: OffsetTrack | None,
+    topic: str, recorded: VectorTopic, clock: TimeSource, base: OffsetTrack | None
 ) -> VectorHistory:
     """Return the vectors of a topic.
 
     Args:
         topic: its name.
-        samples: in the order of the log.
-        frames: header frame ids among them.
+        recorded: in the order of the log.
         clock: what is measured on.
         base: how far the stamps of the base lie behind log time; None: it has none.
     """
+    samples = recorded.samples
     # A number that is not finite is not below any bound.
     usable = np.asarray((np.abs(samples.vector) <= MOST).all(axis=1))
     check = check_stamps(topic, samples.stamp, samples.log_time)
@@ -81,7 +76,7 @@ def vector_history(
     goes_on = advancing(time)
     return VectorHistory(
         topic=topic,
-        frames=tuple(sorted(set(frames))),
+        frames=recorded.frames,
         messages=len(usable),
         refused=int((~usable).sum()),
         time=time[goes_on],
@@ -173,16 +168,6 @@ Reading = Literal["m/s^2", "g", "without gravity", "nothing", "another scale", "
 """The kind of readings of an accelerometer."""
 
 
-class ForceComparison(NamedTuple):
-    """The feet's forces over the mass against the accelerometer, in time known to all of them."""
-
-    ratio: float
-    """Vertical force over the mass over what the levelled accelerometer reads; 1 is right."""
-    odd_foot: tuple[int, float] | None
-    """The one foot whose factor is not that of the others, which are right, and by what its force
-    must be multiplied."""
-
-
 class ImuComparison(NamedTuple):
     """Comparison of the acceleration by accelerometer, forces and poses."""
 
@@ -190,5 +175,6 @@ class ImuComparison(NamedTuple):
     reading: Reading
     scale: float
     """Reading over expected value."""
-    forces: ForceComparison | None
-    """None: no mass, or vertical forces are not known."""
+    odd_foot: tuple[int, float] | None
+    """The one foot whose factor is not that of the others, which are right, and by what its force
+    must be multiplied."""

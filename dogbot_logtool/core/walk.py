@@ -11,7 +11,7 @@ from dogbot_logtool.core.base.ground import MovingGround
 from dogbot_logtool.core.base.motion import BaseTrack, Tipping
 from dogbot_logtool.core.base.poses import BaseHistory, PoseJumps
 from dogbot_logtool.core.base.witness import POINTS, Witness
-from dogbot_logtool.core.consistency import Delay, Worlds
+from dogbot_logtool.core.consistency import MOST_OF_PATH, Delay, Worlds
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.corrected import Corrected
 from dogbot_logtool.core.gait.feet import FootSteps
@@ -153,10 +153,10 @@ class Walk:
     @property
     def loses_track(self) -> bool:
         """Whether the base drifts so far among the contact points that speeds are not known."""
-        path_m = 0.0 if self.base is None else self.base.path_length_m or 0.0
-        if self.worlds is None or self.settings.base_from_legs:
+        worlds, path_m = self.worlds, (self.base and self.base.path_length_m) or 0.0
+        if worlds is None or worlds.agree or self.settings.base_from_legs:
             return False
-        return self.worlds.lose_track(path_m)
+        return worlds.drifts and worlds.shift_m > MOST_OF_PATH * path_m
 
     @property
     def feet_on_poses(self) -> tuple[str, ...]:

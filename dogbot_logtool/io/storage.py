@@ -252,18 +252,3 @@ def asking(path: "Location") -> Iterator[None]:
         if isinstance(cause, PermissionError) or 400 <= status < 500:
             raise CallError(f"{name_of(path)}: the store refuses the request: {what}") from error
         raise StoreError(f"{name_of(path)}: the store fails: {what}") from error
-
-
-@contextmanager
-def scratch_folder() -> Iterator[Path]:
-    """Make a directory for copies that are read once, which is gone when the block ends.
-
-    A file that is still open then loses its name, and its bytes when it is closed; Windows, which
-    does not remove open files, leaves it.
-    """
-    import tempfile  # noqa: PLC0415 - few logs need a copy
-
-    with tempfile.TemporaryDirectory(
-        prefix="dogbot-logtool.", ignore_cleanup_errors=True
-    ) as folder:
-        yield Path(folder)

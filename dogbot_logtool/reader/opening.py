@@ -107,8 +107,6 @@ def open_joined(paths: Sequence[Location]) -> Log:
 def _open_file(
     path: Location,
     distribution: str = "",
-    *,
-    packed: bool = True,
     facts: storage.Facts | None = None,
 ) -> Log:
     """Open a file.
@@ -116,7 +114,6 @@ def _open_file(
     Args:
         path: the file.
         distribution: of ROS 2, that recorded it; empty: not known.
-        packed: whether it may be compressed: only once, as no recorder does that twice.
         facts: what its store says of it, if it was asked.
     """
     source = (
@@ -125,18 +122,19 @@ def _open_file(
         else RemoteSource(path, facts or storage.facts(path))
     )
     try:
-        return _open_source(source, distribution, packed=packed)
+        return _open_source(source, distribution)
     except BaseException:
         source.close()
         raise
 
 
-def _open_source(source: ByteSource, distribution: str, *, packed: bool) -> Log:
+def _open_source(source: ByteSource, distribution: str, *, packed: bool = True) -> Log:
+    """Open what is in a file; compressed it may be only once, as no recorder does that twice."""
     magic = source.read(0, _MAGIC_SIZE)
     if is_zstd(magic) and packed:
         from dogbot_logtool.reader.containers.compression import open_zstd  # noqa: PLC0415
 
-        unpacked = open_zstd(source, lambda inner: _open_file(inner, distribution, packed=False))
+        unpacked = open_zstd(source, lambda inner: _open_source(inner, distribution, packed=False))
         source.close()
         return unpacked
     container = next((each for each in CONTAINERS if magic.startswith(each.magic)), None)

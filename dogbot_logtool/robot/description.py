@@ -250,7 +250,7 @@ def skeleton(selection: Selection, probe: KnownFrames, links: Mapping[str, Frame
     below = sorted((len(chain), child) for child, chain in chains.items() if chain)
     frames = {child: known[child] for _, child in below}
     legs, soles = dict[int, tuple[str, ...]](), dict[int, Point]()
-    for number, leg in enumerate(leg_chains(selection, probe, parents)):
+    for number, leg in enumerate(leg_chains(selection, probe, parents, base)):
         if leg is not None:
             is_given = selection.robot.feet[number].frame is not None
             legs[number] = leg.frames

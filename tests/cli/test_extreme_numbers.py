@@ -38,15 +38,6 @@ def walk() -> Recording:
     return Walk(seconds=(SAMPLES - 1) / RATE_HZ).recorded(RATE_HZ, RATE_HZ)
 
 
-def strict(text: str) -> Any:
-    """Read JSON, and nothing that only some readers take for it."""
-
-    def refuse(name: str) -> None:
-        raise AssertionError(name)
-
-    return json.loads(text, parse_constant=refuse)
-
-
 NUMBERS = [
     *((name, *each) for name in (*OF_BASE, *OF_FEET) for each in ((1e300, 50), (math.inf, 1))),
     *((name, math.nan, 50) for name in ("position", "force", "normal")),
@@ -71,7 +62,8 @@ def test_no_number_is_too_large_or_too_small(
         recording = walk().each_foot(lambda _, foot: with_extremes(foot))
     path = write_log(recording, tmp_path / "walk.mcap")
     done = measure(path, MeasureOptions())
-    metrics = strict(json.dumps(stats_json(done)))
+    metrics = stats_json(done)
+    json.dumps(metrics, allow_nan=False)
     options = ConvertOptions(style="force", set={"wrench_frame": "world"})
     converted = convert(path, tmp_path / "out.mcap", options)
     assert done.damage.losses == converted.damage.losses == ()
@@ -108,7 +100,7 @@ def test_times_at_the_ends_of_their_range(tmp_path: Path, name: str) -> None:
     path = write_log(recording, tmp_path / "walk.mcap")
     for clock in ("header", "log"):
         done = measure(path, MeasureOptions(set={"clock": clock}))
-        strict(json.dumps(stats_json(done)))
+        json.dumps(stats_json(done), allow_nan=False)
     convert(path, tmp_path / "out.mcap", ConvertOptions())
     describe(path, InfoOptions(frames=True))
 
@@ -125,4 +117,4 @@ def test_a_metric_that_is_too_large_is_null_and_named() -> None:
 def test_json_has_null_for_what_is_not_finite() -> None:
     value = {"a": [math.nan, 1.5, (math.inf,)], "b": -math.inf}
     expected = {"a": [None, 1.5, [None]], "b": None}
-    assert strict(to_json(value)) == strict(to_json(value, indent=2)) == expected
+    assert json.loads(to_json(value)) == json.loads(to_json(value, indent=2)) == expected

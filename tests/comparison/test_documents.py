@@ -8,6 +8,7 @@ import pytest
 
 import dogbot_logtool as dl
 from dogbot_logtool.comparison.outcome import Comparison
+from tests.comparison.recordings import lines
 
 Q = '{"x": 0.1, "y": 0.2, "z": -0.3, "w": 0.9}'
 """A quaternion, and the same rotation."""
@@ -199,7 +200,3 @@ def compared(folder: Path, one: str, two: str, **options: Any) -> Comparison:
     for file, text in zip(files, (one, two), strict=True):
         file.write_text(text)
     return dl.compare(*files, **options)
-
-
-def lines(result: Comparison) -> list[str]:
-    return [difference.line for difference in result.differences]

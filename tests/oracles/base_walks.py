@@ -44,26 +44,6 @@ DEFINITIONS: Final = {
     "dwl_msgs/msg/WholeBodyState": "std_msgs/Header header\ndwl_msgs/BaseState[] base",
     "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
 }
-TOPICS: Final = {
-    "nav_msgs/Odometry": "/odom",
-    "geometry_msgs/PoseStamped": "/mocap/robot/pose",
-    "geometry_msgs/PoseWithCovarianceStamped": "/state_estimator/pose",
-    "geometry_msgs/Pose": "/body_pose",
-    "geometry_msgs/TransformStamped": "/vicon/robot",
-    "nav_msgs/Path": "/walked",
-    "gazebo_msgs/ModelStates": "/gazebo/model_states",
-    "gazebo_msgs/LinkStates": "/gazebo/link_states",
-    "unitree_go/SportModeState": "/sportmodestate",
-    "ocs2_msgs/mpc_observation": "/robot_mpc_observation",
-    "xpp_msgs/RobotStateCartesian": "/xpp/state_des",
-    "anymal_msgs/AnymalState": "/state_estimator/anymal_state",
-    "quad_msgs/RobotState": "/robot/state/ground_truth",
-    "dwl_msgs/WholeBodyState": "/hyq/robot_states",
-    "tf2_msgs/TFMessage": "/tf",
-    "foxglove.Odometry": "/base/odometry",
-    "foxglove.PoseInFrame": "/base/pose",
-    "foxglove.FrameTransforms": "/frames",
-}
 ON_REQUEST: Final = ("geometry_msgs/Pose", "nav_msgs/Path")
 PLANNED: Final = ("ocs2_msgs/mpc_observation", "xpp_msgs/RobotStateCartesian")
 WITHOUT_HEADER: Final = (
@@ -78,13 +58,6 @@ ELEMENTS: Final = {
     "gazebo_msgs/LinkStates": "anymal::base_link",
     "tf2_msgs/TFMessage": "odom/base_link",
     "foxglove.FrameTransforms": "odom/base_link",
-}
-
-
-_FOXGLOVE: Final[Mapping[str, Any]] = {
-    "foxglove.Odometry": Odometry,
-    "foxglove.PoseInFrame": PoseInFrame,
-    "foxglove.FrameTransforms": FrameTransforms,
 }
 
 
@@ -132,7 +105,9 @@ def _pose(sample: int) -> Fields:
     return {"position": position, "orientation": quaternion}
 
 
-def _transform(walk: walks.Walk, sample: int, parent: str, child: str) -> Fields:
+def _transform(
+    walk: walks.Walk, sample: int, parent: str = "odom", child: str = "base_link"
+) -> Fields:
     translation, rotation, _ = pose(sample)
     return {
         "header": walk.header(sample, parent),
@@ -141,10 +116,17 @@ def _transform(walk: walks.Walk, sample: int, parent: str, child: str) -> Fields
     }
 
 
-def _listed(kind: str, sample: int) -> Fields:
+def _models(_walk: walks.Walk, sample: int) -> Fields:
+    return _listed(ELEMENTS["gazebo_msgs/ModelStates"], ["ground_plane"], sample)
+
+
+def _links(_walk: walks.Walk, sample: int) -> Fields:
+    others = ["ground_plane::link", "box::lid"]
+    return _listed(ELEMENTS["gazebo_msgs/LinkStates"], others, sample)
+
+
+def _listed(name: str, names: list[str], sample: int) -> Fields:
     """Return a list in which the robot stands elsewhere in each message."""
-    name = ELEMENTS[kind]
-    names = ["ground_plane::link", "box::lid"] if "::" in name else ["ground_plane"]
     poses: list[Fields] = [{"position": (7.0, 7.0, 7.0)} for _ in names]
     index = sample % (len(names) + 1)
     names.insert(index, name)
@@ -163,11 +145,12 @@ def models(walk: walks.Walk, places: Mapping[str, float]) -> bytes:
 def message(kind: str, sample: int) -> bytes:
     """Return the serialised message of a sample."""
     if kind.startswith("foxglove."):
-        made: Any = _FOXGLOVE[kind](**foxglove(kind, sample, ("seconds", "nanos")))
+        made: Any = _FOXGLOVE[kind][1](**foxglove(kind, sample, ("seconds", "nanos")))
         return bytes(made.SerializeToString())
     full = kind.replace("/", "/msg/")
     walk = ros_of(full)
-    return walk.bytes_of(full, walk.make(full, **_FIELDS[kind](walk, sample)))
+    fields = _KINDS[kind][1] if kind in _KINDS else _array
+    return walk.bytes_of(full, walk.make(full, **fields(walk, sample)))
 
 
 def definition(kind: str) -> str:
@@ -176,12 +159,15 @@ def definition(kind: str) -> str:
 
 
 def _odometry(walk: walks.Walk, sample: int) -> Fields:
-    child = {"child_frame_id": "base_link"}
-    return {"header": walk.header(sample, "odom"), "pose": [_pose(sample)], **child}
+    return {**_with_covariance(walk, sample), "child_frame_id": "base_link"}
 
 
 def _stamped(walk: walks.Walk, sample: int) -> Fields:
     return {"header": walk.header(sample, "odom"), "pose": _pose(sample)}
+
+
+def _with_covariance(walk: walks.Walk, sample: int) -> Fields:
+    return {"header": walk.header(sample, "odom"), "pose": [_pose(sample)]}
 
 
 def _path(walk: walks.Walk, sample: int) -> Fields:
@@ -234,29 +220,30 @@ def _tf(walk: walks.Walk, sample: int) -> Fields:
     return {"transforms": [_transform(walk, *row) for row in rows]}
 
 
-_FIELDS: Final[Mapping[str, Callable[[walks.Walk, int], Fields]]] = {
-    "nav_msgs/Odometry": _odometry,
-    "geometry_msgs/PoseStamped": _stamped,
-    "geometry_msgs/Pose": lambda _, sample: _pose(sample),
-    "geometry_msgs/PoseWithCovarianceStamped": lambda walk, sample: {
-        "header": walk.header(sample, "odom"),
-        "pose": [_pose(sample)],
-    },
-    "geometry_msgs/TransformStamped": lambda walk, sample: _transform(
-        walk, sample, "odom", "base_link"
-    ),
-    "nav_msgs/Path": _path,
-    "gazebo_msgs/ModelStates": lambda _, sample: _listed("gazebo_msgs/ModelStates", sample),
-    "gazebo_msgs/LinkStates": lambda _, sample: _listed("gazebo_msgs/LinkStates", sample),
-    "std_msgs/Float64MultiArray": _array,
-    "unitree_go/SportModeState": _sport,
-    "ocs2_msgs/mpc_observation": _ocs2,
-    "xpp_msgs/RobotStateCartesian": _xpp,
-    "anymal_msgs/AnymalState": _anymal,
-    "quad_msgs/RobotState": _quad,
-    "dwl_msgs/WholeBodyState": _dwl,
-    "tf2_msgs/TFMessage": _tf,
+_KINDS: Final[Mapping[str, tuple[str, Callable[[walks.Walk, int], Fields]]]] = {
+    "nav_msgs/Odometry": ("/odom", _odometry),
+    "geometry_msgs/PoseStamped": ("/mocap/robot/pose", _stamped),
+    "geometry_msgs/PoseWithCovarianceStamped": ("/state_estimator/pose", _with_covariance),
+    "geometry_msgs/Pose": ("/body_pose", lambda _, sample: _pose(sample)),
+    "geometry_msgs/TransformStamped": ("/vicon/robot", _transform),
+    "nav_msgs/Path": ("/walked", _path),
+    "gazebo_msgs/ModelStates": ("/gazebo/model_states", _models),
+    "gazebo_msgs/LinkStates": ("/gazebo/link_states", _links),
+    "unitree_go/SportModeState": ("/sportmodestate", _sport),
+    "ocs2_msgs/mpc_observation": ("/robot_mpc_observation", _ocs2),
+    "xpp_msgs/RobotStateCartesian": ("/xpp/state_des", _xpp),
+    "anymal_msgs/AnymalState": ("/state_estimator/anymal_state", _anymal),
+    "quad_msgs/RobotState": ("/robot/state/ground_truth", _quad),
+    "dwl_msgs/WholeBodyState": ("/hyq/robot_states", _dwl),
+    "tf2_msgs/TFMessage": ("/tf", _tf),
 }
+"""Topics, and the fields of messages."""
+_FOXGLOVE: Final[Mapping[str, tuple[str, Any]]] = {
+    "foxglove.Odometry": ("/base/odometry", Odometry),
+    "foxglove.PoseInFrame": ("/base/pose", PoseInFrame),
+    "foxglove.FrameTransforms": ("/frames", FrameTransforms),
+}
+TOPICS: Final = {kind: topic for kind, (topic, _) in [*_KINDS.items(), *_FOXGLOVE.items()]}
 
 
 def foxglove(kind: str, sample: int, parts_of_time: tuple[str, str] = ("sec", "nsec")) -> Fields:

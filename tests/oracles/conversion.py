@@ -80,10 +80,10 @@ class Sample:
     """A contact message reduced by hand."""
 
     in_contact: bool
-    force: tuple[float, float, float]
+    force: tuple[float, ...]
     in_world: bool
-    position: tuple[float, float, float] | None
-    normal: tuple[float, float, float] | None
+    position: tuple[float, ...] | None
+    normal: tuple[float, ...] | None
 
 
 def xyz(vector: Any) -> tuple[float, float, float]:
@@ -93,18 +93,6 @@ def xyz(vector: Any) -> tuple[float, float, float]:
 def norm(vector: Iterable[float]) -> float:
     x, y, z = vector
     return math.sqrt(x * x + y * y + z * z)
-
-
-def added(vectors: Iterable[Sequence[float]]) -> tuple[float, float, float]:
-    x = y = z = 0.0
-    for vector in vectors:
-        x, y, z = x + vector[0], y + vector[1], z + vector[2]
-    return x, y, z
-
-
-def scaled(vector: Iterable[float], by: float) -> tuple[float, float, float]:
-    x, y, z = vector
-    return x * by, y * by, z * by
 
 
 def stamp_of(decoded: Decoded) -> int:
@@ -118,45 +106,36 @@ def step_of(state: Any) -> int:
     return int(match[1]) * S + int(match[2])
 
 
+@np.errstate(all="ignore")
 def sample_of(message: Any, foot: str) -> Sample:
     """Take the newest physics step, add its states up, and weigh its points by their forces."""
     newest = [s for s in message.states if step_of(s) == step_of(message.states[-1])]
-    signs: list[float] = []
-    states: list[Any] = []
+    signed: list[tuple[float, Any]] = []
     for state in newest:
         names = state.collision1_name, state.collision2_name
         first, second = (f"{foot}_foot" in name for name in names)
         if first != second:
-            states.append(state)
-            signs.append(1.0 if first else -1.0)
-    points: list[tuple[tuple[float, float, float], float]] = []
-    for state in states:
+            signed.append((1.0 if first else -1.0, state))
+    points, weights = [], []
+    for _, state in signed:
         count = len(state.contact_positions)
         paired = count == len(state.wrenches)
         for index, point in enumerate(state.contact_positions):
             force = state.wrenches[index].force if paired else state.total_wrench.force
-            points.append((xyz(point), norm(xyz(force)) / (1 if paired else count)))
-    if points and sum(weight for _, weight in points) == 0:
-        points = [(point, 1.0) for point, _ in points]
-    position = None
-    if points:
-        total = sum(weight for _, weight in points)
-        position = scaled(added(scaled(point, weight) for point, weight in points), 1 / total)
-    normals = [
-        scaled(xyz(normal), sign)
-        for state, sign in zip(states, signs, strict=True)
-        for normal in state.contact_normals
-    ]
-    mean = added(normals)
+            points.append(xyz(point))
+            weights.append(norm(xyz(force)) / (1 if paired else count))
+    if not any(weights):
+        weights = [1.0] * len(points)
+    total, normal = np.zeros(3), np.zeros(3)
+    for sign, state in signed:
+        total += sign * np.array(xyz(state.total_wrench.force))
+        normal += sum((sign * np.array(xyz(each)) for each in state.contact_normals), np.zeros(3))
     return Sample(
-        in_contact=bool(states),
-        force=added(
-            scaled(xyz(state.total_wrench.force), sign)
-            for state, sign in zip(states, signs, strict=True)
-        ),
-        in_world=bool(states) and all(sign < 0 for sign in signs),
-        position=position,
-        normal=scaled(mean, 1 / norm(mean)) if normals else None,
+        in_contact=bool(signed),
+        force=tuple(total.tolist()),
+        in_world=bool(signed) and all(sign < 0 for sign, _ in signed),
+        position=tuple(np.average(points, axis=0, weights=weights)) if points else None,
+        normal=tuple(normal / norm(normal)) if normal.any() else None,
     )
 
 
@@ -195,10 +174,10 @@ def expected_arrow(
     share = magnitude / 200.0
     if style == "force":
         known = in_world or sample.in_world
-        direction = scaled(sample.force, 1 / magnitude) if known else sample.normal
+        direction = tuple(np.array(sample.force) / magnitude) if known else sample.normal
         pose = frames.in_world(f"{foot}_lowerleg", stamp, "world") if frames else None
         if pose and not known:
-            direction = scaled(pose[1] @ np.array(sample.force), 1 / magnitude)
+            direction = tuple(pose[1] @ np.array(sample.force) / magnitude)
         if direction is None:
             return removed
         orientation = turn_x_to(direction)

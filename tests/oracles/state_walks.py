@@ -94,36 +94,8 @@ PLACES: Final = {
     "back_left": (-0.3, 0.2),
     "back_right": (-0.3, -0.2),
 }
-KINDS: Final = (
-    "xpp_msgs/msg/RobotStateCartesian",
-    "old_xpp/msg/RobotStateCartesian",
-    "anymal_msgs/msg/AnymalState",
-    "quad_msgs/msg/GRFArray",
-    "whole_body_state_msgs/msg/WholeBodyState",
-    "old_whole_body/msg/WholeBodyState",
-    "ocs2_msgs/msg/mpc_observation",
-    "state_estimator_msgs/msg/ContactDetection",
-    "pronto_msgs/msg/QuadrupedStance",
-    "pronto_msgs/msg/QuadrupedForceTorqueSensors",
-    "hrpsys_ros_bridge/msg/ContactStatesStamped",
-    "quadropted_msgs/msg/RobotFootContact",
-    "go2_interfaces/msg/Go2State",
-    "my_driver/msg/SportModeState",
-    "dwl_msgs/msg/WholeBodyState",
-    "old_dwl/msg/WholeBodyState",
-    "syropod_highlevel_controller/msg/TipState",
-)
-RAW: Final = ("go2_interfaces/msg/Go2State", "my_driver/msg/SportModeState")
-FLAGS_ONLY: Final = (
-    "state_estimator_msgs/msg/ContactDetection",
-    "pronto_msgs/msg/QuadrupedStance",
-    "hrpsys_ros_bridge/msg/ContactStatesStamped",
-    "quadropted_msgs/msg/RobotFootContact",
-)
-WITH_POINTS: Final = (*KINDS[:6], *RAW, *KINDS[-3:-1])
 UNITREE: Final = ("front_right", "front_left", "back_right", "back_left")
 """The order of feet of Unitree's robots, and of others."""
-PLANNED: Final = (KINDS[0], KINDS[1], "ocs2_msgs/msg/mpc_observation")
 
 
 def base_position(sample: int) -> Any:
@@ -166,7 +138,7 @@ class StateWalk(walks.Walk):
         self.store = walks.own_store(_known(ros))
 
     def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
-        fields = _FIELDS.get(kind.split("/", maxsplit=1)[0])
+        fields = _joints if kind == "sensor_msgs/msg/JointState" else _FIELDS.get(kind)
         if fields is None:
             yield from super().contacts(kind, sample)
         else:
@@ -337,6 +309,10 @@ def _hrpsys(walk: StateWalk, _kind: str, sample: int) -> Fields:
     return {**walk.stamped(sample, ""), "states": stamped}
 
 
+def _quadropted(walk: StateWalk, _kind: str, sample: int) -> Fields:
+    return {"contacts": walk.flags(sample, UNITREE)}
+
+
 def _sport(walk: StateWalk, _kind: str, sample: int) -> Fields:
     """FR FL RR RL, in the base's frame."""
     feet = [foot_position(leg, sample) - base_position(sample) for leg in UNITREE]
@@ -349,21 +325,31 @@ def _sport(walk: StateWalk, _kind: str, sample: int) -> Fields:
 
 
 _FIELDS: Final[Mapping[str, Callable[[StateWalk, str, int], Fields]]] = {
-    "sensor_msgs": _joints,
-    "xpp_msgs": _xpp,
-    "old_xpp": _old_xpp,
-    "anymal_msgs": _anymal,
-    "quad_msgs": _quad,
-    "whole_body_state_msgs": _whole_body,
-    "old_whole_body": _whole_body,
-    "dwl_msgs": _dwl,
-    "old_dwl": _dwl,
-    "syropod_highlevel_controller": _syropod,
-    "ocs2_msgs": _ocs2,
-    "state_estimator_msgs": _state_estimator,
-    "pronto_msgs": _pronto,
-    "hrpsys_ros_bridge": _hrpsys,
-    "quadropted_msgs": lambda walk, _, sample: {"contacts": walk.flags(sample, UNITREE)},
-    "go2_interfaces": _sport,
-    "my_driver": _sport,
+    "xpp_msgs/msg/RobotStateCartesian": _xpp,
+    "old_xpp/msg/RobotStateCartesian": _old_xpp,
+    "anymal_msgs/msg/AnymalState": _anymal,
+    "quad_msgs/msg/GRFArray": _quad,
+    "whole_body_state_msgs/msg/WholeBodyState": _whole_body,
+    "old_whole_body/msg/WholeBodyState": _whole_body,
+    "ocs2_msgs/msg/mpc_observation": _ocs2,
+    "state_estimator_msgs/msg/ContactDetection": _state_estimator,
+    "pronto_msgs/msg/QuadrupedStance": _pronto,
+    "pronto_msgs/msg/QuadrupedForceTorqueSensors": _pronto,
+    "hrpsys_ros_bridge/msg/ContactStatesStamped": _hrpsys,
+    "quadropted_msgs/msg/RobotFootContact": _quadropted,
+    "go2_interfaces/msg/Go2State": _sport,
+    "my_driver/msg/SportModeState": _sport,
+    "dwl_msgs/msg/WholeBodyState": _dwl,
+    "old_dwl/msg/WholeBodyState": _dwl,
+    "syropod_highlevel_controller/msg/TipState": _syropod,
 }
+KINDS: Final = tuple(_FIELDS)
+RAW: Final = ("go2_interfaces/msg/Go2State", "my_driver/msg/SportModeState")
+FLAGS_ONLY: Final = (
+    "state_estimator_msgs/msg/ContactDetection",
+    "pronto_msgs/msg/QuadrupedStance",
+    "hrpsys_ros_bridge/msg/ContactStatesStamped",
+    "quadropted_msgs/msg/RobotFootContact",
+)
+WITH_POINTS: Final = (*KINDS[:6], *RAW, *KINDS[-3:-1])
+PLANNED: Final = (KINDS[0], KINDS[1], "ocs2_msgs/msg/mpc_observation")

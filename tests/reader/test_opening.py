@@ -67,7 +67,7 @@ PACKED = (
         (zstandard.compress(b"hello, world, this is"), "neither a ROS 1 bag"),
         (b"#ROSBAG V1.2\n" + bytes(100), "older format"),
         (bytes(1 << 20), "begins with zeros"),
-        (CHECKED[:9], "its zstd data is cut off after 9 bytes"),
+        (CHECKED[:9], r"its zstd data is damaged behind byte 9 \(it is cut off\)"),
         (CHECKED[:-1] + b"?", r"its zstd data is damaged behind byte 0 \(.*checksum"),
         (b"rosbag2_bagfile_information:\n  version: 9\n", "name the directory"),
     ],
@@ -100,8 +100,11 @@ def test_all_frames_of_a_compressed_log_are_read(tmp_path: Path, packed: bytes) 
 @pytest.mark.parametrize(
     ("packed", "says"),
     [
-        (CHECKED[:-1], "its zstd data is cut off after"),
-        (zstandard.compress(MCAP) + zstandard.compress(b"more")[:-2], "its zstd data is cut off"),
+        (CHECKED[:-1], r"behind byte \d+ \(it is cut off\)"),
+        (
+            zstandard.compress(MCAP) + zstandard.compress(b"more")[:-2],
+            r"behind byte \d+ \(it is cut off\)",
+        ),
         (zstandard.compress(MCAP) + b"more", "the 4 bytes behind its zstd data were left out"),
         (zstandard.compress(MCAP) + bytes(5000) + b"more", "bytes behind its zstd data were left"),
         (
@@ -132,6 +135,14 @@ def test_a_compressed_log_is_read_up_to_a_damaged_piece(tmp_path: Path) -> None:
     assert 1 <= len(reading.messages) < 4
     assert list(reading.messages) == log.written[: len(reading.messages)]
     assert reading.lost is None
+
+
+def test_a_copy_that_cannot_be_kept_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "absent"))
+    with pytest.raises(LogError, match=r"all of it cannot be kept in .*absent: No such file"):
+        read_bytes(tmp_path, CHECKED)
 
 
 def test_no_file_is_a_wrong_call(tmp_path: Path) -> None:

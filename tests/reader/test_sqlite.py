@@ -12,16 +12,13 @@ from tests.forked_cli import run
 from tests.reader.reading import read_file
 from tests.reader.sqlite_files import COUNT, MESSAGES, expected, make, root_page
 
-OWN_ROWID = "CREATE TABLE messages (topic_id, timestamp, data, {})"
-
 
 @pytest.mark.parametrize(
     ("table", "change"),
     [
-        (OWN_ROWID.format("rowid"), ""),
-        (OWN_ROWID.format("rowid TEXT DEFAULT 'one'"), ""),
-        (OWN_ROWID.format("rowid INTEGER DEFAULT 7, oid"), ""),
         (MESSAGES.replace("messages", "Messages"), ""),
+        (MESSAGES.replace("topic_id", '"topic_id" INTEGER NOT\nNULL'), ""),
+        (MESSAGES.replace("data", "data BLOB NOT NULL, more TEXT"), ""),
         (MESSAGES, "UPDATE messages SET id = -9223372036854775808 WHERE id = 1"),
     ],
 )

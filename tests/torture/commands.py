@@ -22,12 +22,10 @@ from pathlib import Path
 from typing import Final
 
 from tests.forked_cli import Ended, run
-from tests.paths import ROOT
+from tests.paths import TROUBLED, WALK
 from tests.reader.mutation import CASES, random_mutation
 
-SAMPLES: Final = tuple(
-    ROOT / "sample_logs" / name for name in ("dogbot_troubled.bag", "dogbot_walk.mcap")
-)
+SAMPLES: Final = (TROUBLED, WALK)
 COMMANDS: Final = (
     "info {log}",
     "info {log} --json --frames",

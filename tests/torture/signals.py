@@ -23,12 +23,9 @@ from typing import Final
 
 import psutil
 
-from tests.paths import ROOT
+from tests.paths import ROOT, TROT, TROUBLED, WALK
 
-SAMPLES: Final = tuple(
-    ROOT / "sample_logs" / name
-    for name in ("dogbot_trot.bag", "dogbot_walk.mcap", "dogbot_troubled.bag")
-)
+SAMPLES: Final = (TROT, WALK, TROUBLED)
 INT, TERM, HUP, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL
 KINDS: Final = (
     (INT,),

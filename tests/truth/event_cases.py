@@ -28,7 +28,7 @@ EARLY: Final = LEAVES + 0.4 * (LANDS - LEAVES)
 
 # fmt: off
 def planned() -> Iterator[Case]:
-    """One event of a walk, and what only looks like one."""
+    """Events."""
     slides = LANDS + 0.25
     jump, hush = pose.jump(4.0, (1.0, 0.5, 0.0)), on(time.silent_between(3.0, 5.0), "back_left")
     early = Event("early_contact", EARLY, foot=FOOT, value=(LANDS - EARLY, 0.02))
@@ -78,7 +78,10 @@ def planned() -> Iterator[Case]:
 
 
 def gait_changes() -> Iterator[Case]:
-    """Gaits one after another."""
+    """Changes of the gait.
+
+    Gaits one after another.
+    """
     slow, quick = replace(WALK, seconds=9.0), Walk(seconds=9.0, period_s=0.5)
     for name, walks, codes, skip in (
         ("a stand, then a trot", (scenes.standing(), TROT), ("stand>trot",), "class, strides"),
@@ -105,7 +108,10 @@ USUAL: Final = ((1.0, 0.0), (1.5, 0.5), (2.0, 0.0), (9.0, 0.0), (10.0, 0.4))
 
 
 def falls() -> Iterator[Case]:
-    """Height, roll, load of each foot, when the robot falls, and what else happens."""
+    """Falls, and what looks like one.
+
+    Height, roll, load of each foot, when the robot falls, and what else happens.
+    """
     carried, anew = Event("carried", 2.0, 0.06), Event("pose_jump", 4.0)
     tips, pitches = (Event("tipping", 9.0, 0.3, value=(rad, 1e-6)) for rad in (0.4, -0.4))
     along_y = sensor.user_gives(set={"forward_axis": "+y"})
@@ -154,6 +160,7 @@ def changes(onset_s: float, code: str, within_s: float = 0.8) -> Event:
 
 # fmt: off
 def no_steps() -> Iterator[Case]:
+    """No steps."""
     yield Case("standing", scenes.standing())
     yield Case("standing, force sensors", scenes.standing(), QUIET)
     yield Case("standing, noisy poses", scenes.standing(), (pose.pose_noise(0.002),), events=())
@@ -176,6 +183,7 @@ def no_steps() -> Iterator[Case]:
 
 
 def in_the_air() -> Iterator[Case]:
+    """No foot on the ground."""
     lifted = Event("carried", 2.0, 0.06, duration_s=4.0, value=(0.55, 0.05))
     for name, faults, more in (
         ("carried", (), ""),
@@ -191,6 +199,7 @@ def in_the_air() -> Iterator[Case]:
 
 
 def sequences() -> Iterator[Case]:
+    """A walk, and then."""
     # Where one log ends and the next begins, feet stand elsewhere at once.
     whole = "contact fraction, load share, impulse, margin, stride length"
     trot, walk = Walk(seconds=12.0), replace(WALK, seconds=9.0)

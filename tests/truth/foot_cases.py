@@ -24,7 +24,10 @@ NO_FORCE: Final = (
 
 # fmt: off
 def some() -> Iterator[Case]:
-    """Some feet have sensors: their own metrics are right, those of all are not known."""
+    """Some feet have sensors.
+
+    Some feet have sensors: their own metrics are right, those of all are not known.
+    """
     walk = Walk(gait=gaits.WALK, period_s=1.1, shares=(0.3, 0.28, 0.22, 0.2))
     one = foot.without("front_left", "front_right", "back_right")
     of_all = "no other foot|NO_MESSAGES"
@@ -44,7 +47,10 @@ def some() -> Iterator[Case]:
 
 
 def several() -> Iterator[Case]:
-    """Each foot has several sensors, told by names or by frames, or by the links of collisions."""
+    """Several sensors of a foot.
+
+    Each foot has several sensors, told by names or by frames, or by the links of collisions.
+    """
     toe_heel = foot.several("/duo/{foot}_foot_heel", "/duo/{foot}_foot_toe")
     cells = foot.several(*(f"/duo/{{foot}}_foot/cell_{n}/force" for n in range(1, 5)))
     quad = foot.several("/quad/{foot}/heel", "/quad/{foot}/toe", reach_m=0.03)
@@ -63,7 +69,10 @@ def several() -> Iterator[Case]:
 
 
 def filters() -> Iterator[Case]:
-    """Forces that went through a low-pass filter: contact is that of the forces before it."""
+    """Filtered forces.
+
+    Forces that went through a low-pass filter: contact is that of the forces before it.
+    """
     slow = Walk(gait=gaits.WALK, period_s=1.3, speed_mps=0.3, seconds=12.0)
     for name, walk, hertz, more in (
         ("5 Hz, trot", TROT, 5.0, sensor.noise(0.5)),
@@ -85,7 +94,10 @@ def filters() -> Iterator[Case]:
 
 
 def flags() -> Iterator[Case]:
-    """Contact without a force."""
+    """Contact flags.
+
+    Contact without a force.
+    """
     coarse = Tolerance(event_s=0.1, duty=0.1, contact=0.1, phase=0.1, period=0.1)
     hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
     flags, turned = foot.as_flags, foot.inverted()
@@ -117,7 +129,10 @@ def flags() -> Iterator[Case]:
 
 
 def others() -> Iterator[Case]:
-    """Scuffs, payloads, moving ground."""
+    """Scuffs, payloads, treadmills.
+
+    Scuffs, payloads, moving ground.
+    """
     scuff = on(foot.scuffs(12.0, 0.03), "back_left", "back_right")
     for name, sensors in (("bumpers", ()), ("force sensors", QUIET)):
         for of, walk in (("walk", WALK), ("trot", TROT)):

@@ -21,6 +21,7 @@ NOISY = KINDS[0], ("force sensors", SENSED)
 
 # fmt: off
 def robots_and_rates() -> Iterator[Case]:
+    """Robots and sampling rates."""
     for mass in (0.5, 2.0, 20.0, 80.0):
         for kind, sensors in KINDS:
             yield Case(f"trot, {kind}, {mass:g} kg", Walk(robot=quadruped(mass)), sensors)
@@ -43,6 +44,7 @@ def robots_and_rates() -> Iterator[Case]:
 
 
 def hildebrand() -> Iterator[Case]:
+    """Symmetrical gaits: Hildebrand's grid."""
     for duty in (0.42, 0.55, 0.7, 0.8):
         for diagonality in (0.0, 0.25, 0.5, 0.75):
             gait = gaits.symmetrical(duty, diagonality)
@@ -55,6 +57,7 @@ def hildebrand() -> Iterator[Case]:
 
 
 def asymmetrical() -> Iterator[Case]:
+    """Asymmetrical gaits."""
     for gait in gaits.ASYMMETRICAL:
         name = f"{gait.sequence or ''} {gait.name}".strip()
         yield from _gait_and_mirror(name, gait)
@@ -71,6 +74,7 @@ def _brisk(gait: Gait) -> Walk:
 
 
 def other_numbers_of_feet() -> Iterator[Case]:
+    """Two and six feet."""
     for gait in (gaits.BIPED_WALK, gaits.BIPED_RUN, gaits.BIPED_HOP):
         yield Case(f"two feet, {gait.name}", Walk(gait=gait, robot=biped()))
     # A twentieth of the weight is much of what one of five feet carries.
@@ -81,6 +85,7 @@ def other_numbers_of_feet() -> Iterator[Case]:
 
 
 def short_and_slow() -> Iterator[Case]:
+    """Short logs and slow ones."""
     for kind, sensors in NOISY:
         for strides in (2, 3):
             yield Case(f"{strides} strides, {kind}", Walk(seconds=strides * 0.8 + 0.3), sensors,

@@ -35,7 +35,7 @@ def wandering(vector: Floats) -> Floats:
 
 # fmt: off
 def sound() -> Iterator[Case]:
-    """Nothing is wrong with these."""
+    """Accelerometers."""
     ways = "speed, path, climb, stride length, froude, slope, propulsion"
     to_and_fro, up_and_down = pushed((0.6, 0.3, 0.0), 5.0), pushed((0.0, 0.0, 0.8), 5.0)
     noisy, hung = with_imu(noise_mps2=0.2), with_imu(mounting=UPSIDE_DOWN, frame="imu_link")
@@ -55,7 +55,7 @@ def sound() -> Iterator[Case]:
 
 
 def odd() -> Iterator[Case]:
-    """What is odd is named: the unit, its mounting, the mass, or the forces."""
+    """Accelerometers at fault."""
     imu = with_imu()
     weight, whose = "IMPULSE_IS_NOT_WEIGHT", "load on front_right, whose sensor reads"
     for name, walk, faults, says in (

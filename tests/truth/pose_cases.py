@@ -22,6 +22,7 @@ TIGHT: Final = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.9, speed_m
                     step_height_m=0.02, turn_radps=-0.3)  # fmt: skip
 ON_THE_SPOT: Final = replace(CIRCLE, speed_mps=0.0)
 TO_THE_RIGHT: Final = Walk(period_s=0.7, seconds=9.0, turn_radps=-0.5)
+FAST: Final = Walk(gait=gaits.symmetrical(0.42, 0.5), period_s=0.6, speed_mps=1.2)
 DOWNHILL: Final = Walk(gait=gaits.WALK, period_s=1.1, speed_mps=0.35, slope_rad=radians(-9.0))
 UPHILL: Final = Walk(slope_rad=radians(12.0))
 
@@ -45,7 +46,10 @@ SEEN: Final = POINTS, PLACES, TF
 
 # fmt: off
 def faults() -> Iterator[Case]:
-    """Each fault told by feet in each way in which anything tells of it."""
+    """Poses at fault.
+
+    Each fault told by feet in each way in which anything tells of it.
+    """
     quarter, link = radians(30.0), pose.of_link((0.25, 0.1, 0.05))
     still, turned = "POSE_FROZEN", "POSE_DIRECTION"
     table: tuple[tuple[str, Walk, Disturbance, str, Sequence[str]], ...] = (
@@ -71,6 +75,8 @@ def faults() -> Iterator[Case]:
         ("yaw 30 degrees off", TROT, pose.yaw_off(quarter), "POSE_DIRECTION", SEEN),
         ("yaw 30 degrees off, uphill", UPHILL, pose.yaw_off(quarter), "POSE_DIRECTION", SEEN),
         ("yaw 180 degrees off, walk", WALK, pose.yaw_off(radians(180.0)), "POSE_DIRECTION",
+         (PLACES,)),
+        ("yaw 180 degrees off, fast trot", FAST, pose.yaw_off(radians(180.0)), "POSE_DIRECTION",
          (PLACES,)),
         ("yaw 15 degrees off, slow walk", SLOW, pose.yaw_off(radians(-15.0)), "POSE_DIRECTION",
          SEEN),
@@ -119,7 +125,7 @@ def faults() -> Iterator[Case]:
 
 
 def sound() -> Iterator[Case]:
-    """Nothing is wrong with these, whatever they look like."""
+    """Sound poses."""
     turn = radians(30.0)
     corners = tuple((x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn))
                     for x, y in quadruped().corners_m)
@@ -145,6 +151,8 @@ def sound() -> Iterator[Case]:
         ("a run", run, _nothing, (POINTS,)),
         ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),
         ("noise of 2 mm", TROT, pose.pose_noise(0.002), every),
+        ("noise of 10 mm, tight circle", Walk(turn_radps=1.2, seconds=10.0), pose.pose_noise(0.01),
+         (POINTS,)),
     )
     for name, walk, fault, ways in table:
         for way in ways:
@@ -204,6 +212,7 @@ JUMPED = "path, speed, stride length"
 
 # fmt: off
 def worlds() -> Iterator[Case]:
+    """Worlds."""
     drift = pose.drifting(0.02)
     bound = Walk(gait=gaits.BOUND, period_s=0.86, seconds=11.7, heading_rad=radians(-90.0))
     slope = Walk(slope_rad=radians(20.0), heading_rad=radians(37.0), seconds=12.0)
@@ -238,6 +247,7 @@ def worlds() -> Iterator[Case]:
 
 
 def axes() -> Iterator[Case]:
+    """Other axes."""
     for name, body in (("", False), (" and of its body", True)):
         yield Case(f"motion capture, y up of the world{name}", Walk(heading_rad=radians(90.0)),
                    (pose.y_up(body=body), FORCE), "UP_AXIS")

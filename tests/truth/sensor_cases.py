@@ -33,6 +33,7 @@ MOVES: Final = "without load moves"
 
 # fmt: off
 def levels() -> Iterator[Case]:
+    """Levels without load."""
     two = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0), period_s=1.2)
     for newtons in OFFSETS_N:
         noisy = *SENSED, sensor.offset(newtons)
@@ -58,6 +59,7 @@ def levels() -> Iterator[Case]:
 
 
 def noises() -> Iterator[Case]:
+    """Noise, spikes, limits."""
     for mass, seed in ((20.0, 0), (20.0, 1), (80.0, 2)):
         yield Case(f"noise 5 N, {mass:g} kg, seed {seed}", Walk(robot=quadruped(mass)),
                    (FORCE, sensor.noise(5.0, seed)), skip="verdict, braking",
@@ -95,6 +97,7 @@ def noises() -> Iterator[Case]:
 
 
 def light_and_heavy() -> Iterator[Case]:
+    """Light and heavy robots, several faults."""
     for newtons, noise in ((1.0, 0.05), (-3.0, 0.1)):
         yield Case(f"0.5 kg, 20 Hz, offset {newtons:+g} N", replace(LIGHT, seconds=12.0),
                    (FORCE, sensor.noise(noise), sensor.offset(newtons)), LEVEL, None, COARSE,
@@ -114,6 +117,7 @@ def light_and_heavy() -> Iterator[Case]:
 
 
 def hexapods() -> Iterator[Case]:
+    """Hexapods."""
     noisy = FORCE, sensor.noise(0.1)
     yield Case("six feet, wave, force sensors", WAVE, noisy, tolerance=COARSE)
     yield Case("six feet, wave, offset -2 N", WAVE, (*noisy, sensor.offset(-2.0)), "offset", None,
@@ -127,6 +131,7 @@ def hexapods() -> Iterator[Case]:
 
 
 def slopes() -> Iterator[Case]:
+    """Slopes and frames of the wrenches."""
     frame, link = "WRENCH_FRAME|TRANSFORMS_MISSING|IMPULSE_IS_NOT", sensor.in_link_frame
     for degrees in (-25, -10, 10, 20, 25):
         # Along the slope at constant speed; the speed forward is its horizontal part.
@@ -160,6 +165,7 @@ def slopes() -> Iterator[Case]:
 
 
 def masses_and_units() -> Iterator[Case]:
+    """Masses and units."""
     weight = "IMPULSE_IS_NOT_WEIGHT"
     for kind, more in (("bumpers", ()), ("force sensors", SENSED)):
         yield Case(f"mass not given, {kind}", TROT, (*more, NO_MASS), "mass")
@@ -180,7 +186,10 @@ def masses_and_units() -> Iterator[Case]:
 
 
 def swinging_legs() -> Iterator[Case]:
-    """Sensors above the foot, that feel the inertia of the leg in swing."""
+    """Swinging legs.
+
+    Sensors above the foot, that feel the inertia of the leg in swing.
+    """
     tall = replace(TALL, period_s=1.4, seconds=8.0)
     for newtons in (-65.0, -40.0, 20.0):
         for kilograms in (80.0, None):
@@ -219,7 +228,10 @@ def swinging_legs() -> Iterator[Case]:
 
 
 def contradictory() -> Iterator[Case]:
-    """Levels beside a second fault that hides which is which."""
+    """Faults that contradict.
+
+    Levels beside a second fault that hides which is which.
+    """
     tall = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0))
     yield Case("saturated at 500 N, biped of 80 kg, 4 strides", replace(tall, seconds=3.2),
                (FORCE, sensor.noise(2.0), sensor.saturated(500.0)),
@@ -244,7 +256,10 @@ def contradictory() -> Iterator[Case]:
 
 
 def stopped() -> Iterator[Case]:
-    """Sensors that stop, or begin to speak, in the midst of a walk."""
+    """Sensors that stop.
+
+    Sensors that stop, or begin to speak, in the midst of a walk.
+    """
     foot, tall = "front_left", replace(BIPED, robot=biped(80.0), speed_mps=0.5, seconds=16.0)
     dead, frozen = on(sensor.dead_from(8.0), foot), on(sensor.frozen_from(8.25), foot)
     ends = on(time.silent_between(8.0, 99.0), foot)

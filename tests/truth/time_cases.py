@@ -17,6 +17,7 @@ LOST = r"lost|GAPS|SILEN"
 
 # fmt: off
 def clocks() -> Iterator[Case]:
+    """Clocks and stamps."""
     for seconds in (0.1, 0.2, 0.3, -0.2):
         yield Case(f"clock of the feet {seconds:+g} s off", TROT, (time.late_clock(seconds),),
                    CLOCK, known="stride length", shifted=True)
@@ -54,6 +55,7 @@ def clocks() -> Iterator[Case]:
 
 
 def losses() -> Iterator[Case]:
+    """Lost messages and silence."""
     swing = time.silent_in_swing
     slow = Walk(gait=gaits.symmetrical(0.8, 0.25), period_s=1.0)
     for percent in (2, 5, 10, 15):

@@ -271,7 +271,6 @@ ALIKE: Final = 0.3
 """Share of the ground's speed by which half of the stances may differ from it."""
 RESTS: Final = 0.05
 """Share of the ground's speed that a resting base keeps below, on average."""
-_NEIGHBOURS: Final = 5
 
 
 class MovingGround(NamedTuple):
@@ -322,12 +321,10 @@ def find_moving_ground(
     if speed < SLOWEST_MPS or apart > ALIKE * speed or np.hypot(*travel) > RESTS * speed * seconds:
         return None
     order = np.argsort(time, kind="stable")
-    around = np.arange(len(time))[:, None] + np.arange(_NEIGHBOURS) - _NEIGHBOURS // 2
-    smooth = median_of(velocity[order][np.clip(around, 0, len(time) - 1)], axis=1)
-    time = np.concatenate([base.time[:1], time[order], base.time[-1:]])
-    velocity = np.concatenate([smooth[:1], smooth, smooth[-1:]])
+    order = order[[0, *range(len(order)), -1]]
+    time = np.concatenate([base.time[:1], time[order[1:-1]], base.time[-1:]])
     steps = np.maximum(np.diff(time), 0) / 1e9
-    return MovingGround(time, trapezoids(steps, velocity), speed)
+    return MovingGround(time, trapezoids(steps, velocity[order]), speed)
 
 
 CLEARLY: Final = 2.0

@@ -1,7 +1,6 @@
 """How the base moved and fell: path, speed, height, attitude. From poses, never from the twist."""
 
 from collections.abc import Sequence
-from math import hypot
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -18,24 +17,22 @@ from dogbot_logtool.core.arrays import (
 )
 from dogbot_logtool.core.base.ground import LOWEST_M, Footfalls, slope_rad
 from dogbot_logtool.core.base.poses import BaseHistory
-from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.metrics import Base
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 
 AWAY_M: Final = 0.05
 """m, a base that does not get so far away goes nowhere: it stands, and sways."""
-_LOOK_HZ: Final = 5.0
-_PACE: Final = 2
-"""Times the last way of `AWAY_M` that the rest of it may take."""
+_LARGEST_NOISE: Final = 5.0
+"""Times its standard deviation that noise may move a pose."""
+_PACE_PERCENT: Final = 75.0
+"""Quantile of the ways in a second that is the base's usual pace."""
 _NEGLIGIBLE: Final = 0.005
 """Share by which noise may lengthen the path."""
 _NORMAL_MEDIAN: Final = 0.6745
 """Median of |x| of a normal distribution, in standard deviations."""
 _FEWEST_POSES: Final = 20
 """From which noise is told."""
-_LONGEST_BLOCK_NS: Final = 1_000_000_000
-"""ns, in which poses are averaged at most."""
 
 
 class BaseTrack(NamedTuple):
@@ -50,7 +47,7 @@ class BaseTrack(NamedTuple):
     standing: Ints
     """(s, 2) ns, time in which the robot stands."""
     travels: Ints
-    """(t, 2) ns, time in which the base goes somewhere."""
+    """(t, 2) ns, time in which the base may go somewhere: none, if it never gets away."""
     block: int
     """Poses whose mean makes one point of the path."""
 
@@ -79,37 +76,24 @@ def base_track(
     """Find when the base goes somewhere, and how many poses make a point of its path.
 
     Of so many the mean is taken that white noise lengthens the path by 0.5 % at most. Third
-    differences tell it, which smooth motion hardly shows in; their median keeps jumps out.
+    differences tell it, which smooth motion hardly shows in; their median keeps jumps out. At most
+    those of a second are averaged.
     """
-    away, block = _away_spans(base), 1
-    if len(away) and len(base.time) > _FEWEST_POSES:
-        third = np.diff(base.position[:, :2], n=3, axis=0)
+    position, block, noise_m = base.position[:, :2], 1, 0.0
+    if len(position) > _FEWEST_POSES:
+        third = np.diff(position, n=3, axis=0)
         noise_m = float(median_of(np.abs(third))) / (_NORMAL_MEDIAN * np.sqrt(20.0))
-        interval_ns = float(median_of(np.diff(base.time)))
-        step_m = AWAY_M * interval_ns / float(median_of(np.diff(away)))
+    away_m = np.hypot(*(position - position[:1]).T).max(initial=0.0)
+    goes = away_m >= AWAY_M + _LARGEST_NOISE * noise_m
+    if goes and noise_m:
+        a_second = 1e9 / float(median_of(np.diff(base.time)))
+        apart = min(max(1, round(a_second)), len(position) - 1)
+        moved_m = np.hypot(*(position[apart:] - position[:-apart]).T)
+        step_m = max(float(percentiles_of(moved_m, _PACE_PERCENT)) / apart, noise_m * 1e-3)
         size = (2.0 * noise_m**2 / (_NEGLIGIBLE * step_m**2)) ** (1.0 / 3.0)
-        block = int(np.clip(np.ceil(size), 1, max(1.0, _LONGEST_BLOCK_NS / interval_ns)))
-    travels = timespans.intersect([timespans.merge(away), base.known])
+        block = int(np.clip(np.ceil(size), 1, max(1.0, a_second)))
+    travels = base.known if goes else timespans.no_spans()
     return BaseTrack(base, height_m, stood, standing, travels, block)
-
-
-def _away_spans(base: BaseHistory) -> Ints:
-    """(t, 2) ns, from each place to the time at which the base is `AWAY_M` away from it."""
-    rows = np.flatnonzero(first_at_each_tick(base.time, _LOOK_HZ))
-    time = base.time[rows].tolist()
-    points = base.position[rows, :2].tolist()
-    spans = []
-    start = 0
-    for row, (x, y) in enumerate(points):
-        from_x, from_y = points[start]
-        if hypot(x - from_x, y - from_y) >= AWAY_M:
-            spans.append((time[start], time[row]))
-            start = row
-    if spans:
-        # What is left of the way, as far as the base keeps its pace.
-        began, ended = spans[-1]
-        spans.append((ended, min(int(base.time[-1]), ended + _PACE * (ended - began))))
-    return np.array(spans, np.int64).reshape(-1, 2)
 
 
 def base_motion(
@@ -352,15 +336,13 @@ STEEP_RAD: Final = np.radians(45.0)
 """No legged robot walks with its back so steep."""
 FEWEST_STEPS: Final = 4
 """Touchdowns of a foot, while the base leans so far."""
-UPSETS_NS: Final = 1_000_000_000
-"""From upright to lying, a robot falls in less."""
 
 
 def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | None:
     """Return how far the base leans at most while most feet walk on, rad.
 
-    A robot that fell may move its legs; it came down all at once. One that walks on has poses whose
-    z axis is not up: those of motion capture with y up, say.
+    A robot that fell may move its legs for a while. One that takes most of its steps so has poses
+    whose z axis is not up: those of motion capture with y up, say.
 
     Args:
         base: poses.
@@ -373,15 +355,9 @@ def leaning_walk_rad(base: BaseHistory, feet: Sequence[FootHistory]) -> float | 
         return None
     tilt = tilt_rad(base.angles)
     steep = timespans.spans_where(base.time, tilt[:-1] > STEEP_RAD)
-    if not len(steep) or _topples(base, tilt):
+    if not len(steep):
         return None
     down = [foot.stances.touchdown for foot in feet if len(foot.stances.touchdown)]
-    walking = [timespans.covers(steep, each).sum() >= FEWEST_STEPS for each in down]
+    leaning = [int(timespans.covers(steep, each).sum()) for each in down]
+    walking = [n >= max(FEWEST_STEPS, len(each) / 2) for n, each in zip(leaning, down, strict=True)]
     return float(tilt.max()) if 2 * sum(walking) > len(walking) else None
-
-
-def _topples(base: BaseHistory, tilt: Floats) -> bool:
-    """Tell whether the base leans all at once, as in a fall; a turn on the spot is slower."""
-    lies = np.flatnonzero(tilt > TILT_RAD)
-    stood = np.flatnonzero(tilt[: lies[0]] < UPRIGHT_RAD) if len(lies) else lies
-    return len(stood) > 0 and bool(base.time[lies[0]] - base.time[stood[-1]] < UPSETS_NS)

@@ -263,21 +263,16 @@ def _distinct(odometry: Odometry, rows: Ints) -> Flags:
         (n,) all, where poses change from message to message. Of a pose that lasts, as that of a
         robot that stands, some are kept, so that it is no gap.
     """
-    position, turn = odometry.position[rows], odometry.orientation[rows]
-    same = (position[1:] == position[:-1]).all(axis=1)
     fresh = np.ones(len(rows), np.bool_)
-    if not same.any():
-        return fresh
-    same &= (turn[1:] == turn[:-1]).all(axis=1)
+    same = (np.diff(odometry.position[rows], axis=0) == 0.0).all(axis=1)
+    if same.any():
+        same &= (np.diff(odometry.orientation[rows], axis=0) == 0.0).all(axis=1)
     first = np.flatnonzero(np.concatenate([[True], ~same]))
     length = np.diff(first, append=len(rows))
-    if len(first) <= FEWEST_DISTINCT:
-        return fresh
-    usual = int(median_of(length[1:-1]))
-    if usual < 2:
-        return fresh
-    since = np.arange(len(rows)) - np.repeat(first, length)
-    return np.asarray(since % (2 * usual) == 0)
+    if len(first) > FEWEST_DISTINCT and (usual := int(median_of(length[1:-1]))) > 1:
+        since = np.arange(len(rows)) - np.repeat(first, length)
+        fresh = since % (2 * usual) == 0
+    return fresh
 
 
 def _gaps(time: Ints, longest_ns: float, breaks: Ints) -> Ints:

@@ -281,12 +281,8 @@ def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
 FEWEST_STRIDES: Final = 2
 SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
-FAR_MORE: Final = 5.0
-"""Times such a way that poses must go beside a witness that hardly moves."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
-SWINGS: Final = 0.3
-"""m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
 class Motion(NamedTuple):
@@ -361,10 +357,8 @@ class Comparison(NamedTuple):
 
     @property
     def tells_way(self) -> bool:
-        """Whether the witness goes somewhere, or the poses do by far."""
-        walked_m = max(self.reference.walked_m, self.own.walked_m / FAR_MORE)
-        turned = float(np.abs(self.reference.turn).sum())
-        return self.reference.walked_m > 0.0 and walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
+        """Whether the witness goes somewhere."""
+        return self.reference.walked_m > SHORTEST_PATH_M
 
     @property
     def scale(self) -> float:
@@ -374,21 +368,10 @@ class Comparison(NamedTuple):
     @property
     def direction_rad(self) -> float:
         """From the witness's way to that of the poses, to the left; 0 where it does not tell."""
-        _, coherence, angle = likeness(self.own.displacement, self.reference.displacement)
-        return angle if self.tells_heading and coherence >= COHERENT else 0.0
-
-
-def likeness(own: Complexes, reference: Complexes) -> tuple[float, float, float]:
-    """Compare horizontal vectors, x + iy, with what they should be.
-
-    Returns:
-        How many times as long they are, the coherence, and by which angle they are turned, rad.
-    """
-    squares, product = float(np.vdot(reference, reference).real), complex(np.vdot(reference, own))
-    if not squares or not product:
-        return 0.0, 0.0, 0.0
-    both = np.sqrt(squares * float(np.vdot(own, own).real))
-    return abs(product) / squares, abs(product) / both, float(np.angle(product))
+        own, reference = self.own.displacement, self.reference.displacement
+        product = complex(np.vdot(reference, own))
+        coherent = abs(product) >= COHERENT * np.linalg.norm(own) * np.linalg.norm(reference)
+        return float(np.angle(product)) if self.tells_heading and coherent else 0.0
 
 
 def compare(

@@ -101,10 +101,10 @@ def up_axis(walk: Walk) -> Iterator[Finding]:
 def sides_swapped(walk: Walk) -> Iterator[Finding]:
     """Yield where left feet touch on the right; where all do, the walk is a mirror image."""
     # In another world, contact points tell nothing of the body's sides.
-    apart = walk.worlds_differ or walk.base_by_feet
-    poses = walk.poses.without_poses() if apart else walk.placed_poses
-    positions = [foot.leg_position for foot in walk.settings.feet]
-    places, forward_rad = usual_places(poses, walk.records, positions), walk.settings.forward_rad
+    if walk.worlds_differ or walk.base_by_feet:
+        return
+    positions, forward_rad = [foot.leg_position for foot in walk.feet], walk.settings.forward_rad
+    places = usual_places(walk.placed_poses, walk.records, positions)
     to_the_left = np.array([-np.sin(forward_rad), np.cos(forward_rad)])
     apart_m = {
         end: float((place - places[end, "right"]) @ to_the_left)
@@ -195,15 +195,14 @@ def pose_jumps(walk: Walk) -> Iterator[Finding]:
 def contradicted(walk: Walk) -> Iterator[Finding]:
     """Yield where a second witness of the base's motion contradicts the poses, stride by stride."""
     windows = _windows(walk)
-    if not len(windows) or walk.ground is not None or walk.base_by_feet:
-        return
-    if rest_in_the_air(walk):
-        # Contact is in doubt then, and not the poses.
+    # Feet that rest in the air cast doubt on contact, and not on the poses.
+    if not len(windows) or walk.base_by_feet or rest_in_the_air(walk):
         return
     forward_rad = walk.settings.forward_rad
     own = motion_in(walk.poses, windows, forward_rad)
-    feet = compare(walk.witness, own, windows, forward_rad)
-    twist = compare(by_twist(walk.poses), own, windows, forward_rad)
+    feet, twist = (
+        compare(each, own, windows, forward_rad) for each in (walk.witness, by_twist(walk.poses))
+    )
     way = next((each for each in (feet, twist) if each is not None and each.tells_way), None)
     yield from _scale(walk, own, way)
     if way is not None and abs(way.direction_rad) > ASIDE_RAD:
@@ -222,7 +221,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
 def feet_agree(walk: Walk) -> bool:
     """Tell whether feet that stand, by their contacts, go back as the poses go ahead."""
     windows, forward_rad = _windows(walk), walk.settings.forward_rad
-    if walk.ground is not None or not len(windows):
+    if not len(windows):
         return False
     own = motion_in(walk.poses, windows, forward_rad)
     feet = compare(walk.witness, own, windows, forward_rad)
@@ -258,13 +257,14 @@ def rest_in_the_air(walk: Walk) -> bool:
 
 
 def _windows(walk: Walk) -> Ints:
-    """(k, 2) ns, strides one after another while the robot walks; without any, windows."""
-    period_s = walk.period_s
-    if len(walk.poses.time) < 2:
+    """(k, 2) ns, strides one after another while the robot walks on ground that rests.
+
+    Without strides, windows; none without poses.
+    """
+    if len(walk.poses.time) < 2 or walk.ground is not None:
         return timespans.no_spans()
-    if not period_s:
-        return stride_windows(walk.poses.known, WINDOW_S)
-    return stride_windows(timespans.merge(walk.strides), period_s)
+    walked = timespans.merge(walk.strides) if walk.period_s else walk.poses.known
+    return stride_windows(walked, walk.period_s or WINDOW_S)
 
 
 FURTHEST_LEGS: Final = 5.0

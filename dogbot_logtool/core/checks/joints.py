@@ -83,16 +83,15 @@ def _named(names: list[str]) -> str:
 
 def _missing(walk: Walk, legs: LegFigures) -> str:
     """Say which efforts or joints are missing; empty if none are known to be."""
-    moving, foot_of = legs.moving, legs.settings.foot_of_joint
-    if not moving:
+    if not legs.moving:
         return "no joint states tell of joints that move"
-    if not any(joint.has_effort for joint in moving):
+    if not any(joint.has_effort for joint in legs.moving):
         return "the joint states' efforts are empty, zero or constant"
-    if lacking := [each.name for each in moving if each.name in foot_of and not each.has_effort]:
-        return f"joints of legs tell no effort: {', '.join(lacking)}"
+    if mute := [each.name for each in legs.moving if each.foot is not None and not each.has_effort]:
+        return f"joints of legs tell no effort: {', '.join(mute)}"
     if legs.settings.lacking:
         return f"joint states do not tell of {', '.join(legs.settings.lacking)}"
-    count = Counter(foot_of.get(name) for name in legs.joints)
+    count = Counter(joint.foot for joint in legs.joints.values())
     for row, other in permutations(range(len(walk.feet)), 2):
         if 0 < count[row] < count[other] and walk.paired(row, other):
             one, more = (f"{walk.feet[each].name} ({count[each]})" for each in (row, other))
@@ -102,12 +101,11 @@ def _missing(walk: Walk, legs: LegFigures) -> str:
 
 def _too_slow(walk: Walk, legs: LegFigures) -> str:
     """Say that joint states of legs come too rarely for work; empty if they do not."""
-    period, foot_of = walk.period_s, legs.settings.foot_of_joint
-    own = [joint for joint in legs.moving if joint.name in foot_of] or legs.moving
-    states = min(joint.rate_hz for joint in own) * period if period else FEWEST_STATES
-    if period is None or states >= FEWEST_STATES:
+    own = [joint for joint in legs.moving if joint.foot is not None] or legs.moving
+    states = min(joint.rate_hz for joint in own) * (walk.period_s or np.inf)
+    if states >= FEWEST_STATES:
         return ""
-    return f"joint states come {states:.3g} times in a stride of {period:.2f} s"
+    return f"joint states come {states:.3g} times in a stride of {walk.period_s:.2f} s"
 
 
 def _odd_velocities(moving: Sequence[JointTrack]) -> str:
@@ -132,9 +130,9 @@ def _fits(ratio: Floats, factor: float) -> Flags:
 
 def _odd_efforts(walk: Walk, legs: LegFigures) -> str:
     """Say which numbers of legs cannot be rad and N m; empty if all can."""
-    weight_n, foot_of = walk.loads.weight_n, legs.settings.foot_of_joint
-    ranges = [joint.range for joint in legs.moving if joint.name in foot_of]
-    usual = float(median_of(ranges)) if ranges else 0.0
+    weight_n = walk.loads.weight_n
+    ranges = [joint.range for joint in legs.moving if joint.foot is not None]
+    usual = float(median_of(ranges or [0.0]))
     if usual > WIDEST:
         return f"half of the legs' joints move by {usual:.3g} rad and more"
     strongest = max(joint.metrics.peak_effort or 0.0 for joint in legs.moving)

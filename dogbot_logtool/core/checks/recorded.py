@@ -128,19 +128,19 @@ def mounting(walk: Walk) -> Iterator[Finding]:
 
 def forces(walk: Walk) -> Iterator[Finding]:
     """Yield that sensors' forces are not what the accelerometer and the poses say."""
-    compared = walk.imu.forces if walk.imu else None
-    if compared is None or walk.settings.contact_from:
+    imu = walk.imu
+    ratio = imu.metrics.forces_over_accelerometer if imu else None
+    if imu is None or ratio is None or walk.settings.contact_from:
         return
-    if abs(compared.ratio - 1.0) <= WEIGHT_TOLERANCE:
+    if abs(ratio - 1.0) <= WEIGHT_TOLERANCE:
         return
     code, case = "IMPULSE_IS_NOT_WEIGHT", "accelerometer"
-    if compared.odd_foot is None:
-        where = "imu.forces.over_accelerometer"
-        yield found(code, case, where=where, say="accelerometer", forces=compared)
+    if imu.odd_foot is None:
+        yield found(code, case, where="imu.forces_over_accelerometer", say=case, ratio=ratio)
     else:
-        row, factor = compared.odd_foot
+        row, factor = imu.odd_foot
         feet, share = (walk.feet[row].name,), 1.0 / factor
-        yield found(code, "foot", say="foot", feet=feet, forces=compared, share=share)
+        yield found(code, "foot", say="foot", feet=feet, ratio=ratio, share=share)
 
 
 def frames_known(walk: Walk) -> Iterator[Finding]:

@@ -13,7 +13,6 @@ from dogbot_logtool.core.arrays import (
     distinct,
     median_of,
     norms,
-    percentiles_of,
 )
 from dogbot_logtool.core.contact.contacts import Samples
 
@@ -40,9 +39,6 @@ SAME_FORCE: Final = 0.02
 """Difference of the vertical sums up to which it does not matter which hypothesis is right."""
 NEARER: Final = 0.05
 """By how much one hypothesis must be nearer to the weight, or to the vertical, to be preferred."""
-LIGHT: Final = 0.1
-"""Forces below this share of the usual high load say little about direction."""
-HIGH_LOAD_PERCENT: Final = 95.0
 TINY_N: Final = 1e-6
 """Lighter forces have no direction."""
 FEWEST_SAMPLES: Final = 20
@@ -112,12 +108,14 @@ def frame_fit(samples: Sequence[Samples], turned: Sequence[Flags] | None = None)
     """
     forces, normals, vertical_n = [np.empty((0, 3))], [np.empty((0, 3))], 0.0
     for row, part in enumerate(samples):
-        loaded = part.in_contact & np.isfinite(norms(part.force))
-        doubtful = loaded & (~part.in_world if turned is None else turned[row])
+        size_n = norms(part.force)
+        loaded = part.in_contact & np.isfinite(size_n)
         summed = loaded if turned is None else loaded & part.in_world
         if summed.any():
             # The mean over contact, by the share of contact in all samples.
             vertical_n += float(part.force[summed, 2].mean()) * float(part.in_contact.mean())
+        doubtful = loaded & (~part.in_world if turned is None else turned[row])
+        doubtful &= (size_n >= TINY_N) & all_finite(part.normal)
         forces.append(part.force[doubtful])
         normals.append(part.normal[doubtful])
     foot = np.repeat(np.arange(len(forces)), [len(each) for each in forces])
@@ -125,11 +123,6 @@ def frame_fit(samples: Sequence[Samples], turned: Sequence[Flags] | None = None)
     if len(force) < FEWEST_SAMPLES:
         return None
     magnitude = norms(force)
-    heavy = magnitude >= max(LIGHT * percentiles_of(magnitude, HIGH_LOAD_PERCENT), TINY_N)
-    heavy &= all_finite(normal)
-    if int(heavy.sum()) < FEWEST_SAMPLES:
-        return None
-    foot, force, normal, magnitude = (each[heavy] for each in (foot, force, normal, magnitude))
     along = (force * normal).sum(axis=1)
     # Sources differ in the sign of normals; in one log it is the same throughout.
     along *= np.sign(along.sum()) or 1.0

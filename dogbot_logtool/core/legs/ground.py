@@ -218,9 +218,9 @@ def resting_feet(joints: LegJoints, legs: Sequence[LegMotion], inertial: Inertia
 
 def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     """Tell anew which feet rest, by (n, f) those that may."""
-    seconds, up = feet.seconds, feet.inertial.up
+    seconds = feet.seconds
     implied = -(feet.velocity + np.cross(feet.inertial.turn[:, None], feet.points))
-    lift, usual = _lift(seconds, feet.points, up)
+    lift, usual = _lift(seconds, feet.points, feet.inertial.up)
     close, top = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M), 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
@@ -240,14 +240,10 @@ def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
         and (f,) m.
     """
     height = np.einsum("nfi,ni->nf", feet, up)
-    block = ((seconds - seconds[0]) / GROUND_S).astype(np.int64)
-    _, first = np.unique(block, return_index=True)
-    edges = np.array([*first.tolist(), len(seconds)])
-    middles = (seconds[edges[:-1]] + seconds[edges[1:] - 1]) / 2.0
-    around = zip([0, *edges[:-2]], [*edges[2:], edges[-1]], strict=True)
-    lowest = [percentiles_of(height[begin:end], (10.0,), axis=0)[0] for begin, end in around]
-    ground = [np.interp(seconds, middles, column) for column in np.array(lowest).T]
-    lift = height - np.stack(ground, axis=1)
+    lift = height.copy()
+    for start in np.unique(seconds // GROUND_S * GROUND_S):
+        before, begin, end, after = np.searchsorted(seconds, start + GROUND_S * np.arange(-1, 3))
+        lift[begin:end] -= percentiles_of(height[before:after], (10.0,), axis=0)[0]
     lift -= lift.min(axis=1, keepdims=True)
     return lift, np.maximum(percentiles_of(lift, (95.0,), axis=0)[0], LEAST_LIFT_M)
 
@@ -288,7 +284,6 @@ FORCE_ONLY: Final = 1e-6
 MOMENT: Final = 1e-2
 CARRY: Final = (0.75, 1.33)
 """Mean vertical force of all feet over the weight within which efforts are torques in N m."""
-WRONG_SIGN: Final = "efforts have the wrong sign"
 TOO_MUCH: Final = "by the efforts, feet carry"
 
 
@@ -373,6 +368,5 @@ def effort_fault(vertical: Floats, weight_n: float | None) -> str:
     ratio = float(vertical.sum(axis=1).mean()) / weight_n
     if CARRY[0] <= ratio <= CARRY[1]:
         return ""
-    if -CARRY[1] <= ratio <= -CARRY[0]:
-        return f"{WRONG_SIGN}: by them, the feet pull at the ground"
-    return f"{TOO_MUCH} {ratio:.3g} times the weight: they are no torques in N m"
+    what = "have the wrong sign" if ratio < 0.0 else "are no torques in N m"
+    return f"{TOO_MUCH} {ratio:.3g} times the weight: they {what}"

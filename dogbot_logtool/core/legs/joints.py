@@ -65,10 +65,8 @@ class LegChain(NamedTuple):
     """From the foot's frame up to the child of the base, without leading slashes."""
     base: str
     point: tuple[float, float, float]
-    """m, of the foot, in its frame."""
-    touches: bool
-    """Whether the point is where the foot touches the ground, as contacts or the robot's file tell;
-    else it is the frame's origin, perhaps the middle of a ball."""
+    """m, where the foot touches the ground, in its frame, as contacts or the robot's file tell;
+    else the origin, perhaps the middle of a ball."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -94,8 +94,6 @@ class DrawnFoot(NamedTuple):
     """(k,) ns, log time of each touchdown that has a place."""
     footfall: Floats
     """(k + 1, 3) m, that place in the world; the last row, NaN, stands for none."""
-    due_ns: int
-    """ns after a sample at which the next one is due."""
     has_force: bool
     """Whether its sensor tells a force, not only contact."""
 
@@ -185,9 +183,6 @@ def drawn_foot(
         placed=np.maximum.accumulate(np.where(has_point, rows, -1)),
         touchdown=samples.log_time[begins],
         footfall=np.concatenate([samples.position[begins], np.full((1, 3), np.nan)]),
-        due_ns=round(float(median_of(np.diff(track.log_time))))
-        if len(track.log_time) > 1
-        else SILENCE_NS,
         has_force=has_force,
     )
 
@@ -256,7 +251,9 @@ def silences(feet: Iterable[DrawnFoot], opening: int, end: int) -> Loads:
     rows: list[tuple[int, int, int]] = []
     for foot in feet:
         log_time, stamp = foot.samples.log_time, foot.samples.time
-        longest, due = steady_gap_ns(np.diff(log_time)), foot.due_ns
+        longest, due = steady_gap_ns(np.diff(log_time)), SILENCE_NS
+        if len(log_time) > 1:
+            due = round(float(median_of(np.diff(log_time))))
         if not len(log_time) or log_time[0] - opening > longest:
             rows.append((opening, opening, foot.number))
         silent = np.flatnonzero(foot.ends)

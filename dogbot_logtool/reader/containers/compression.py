@@ -1,10 +1,9 @@
 """Decompression of chunks, of messages and of whole logs, within limits: nothing can swell."""
 
 import bz2
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
-from typing import BinaryIO, Final
+from typing import Final
 
 import lz4.block
 import lz4.frame
@@ -14,12 +13,12 @@ import zstandard
 
 from dogbot_logtool.core.arrays import Bytes
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.storage import file_stem, name_of, scratch_folder
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Batch, Log
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.containers.registry import ZSTD_MAGIC, is_zstd
 from dogbot_logtool.reader.containers.salvage import ChunkDamage
-from dogbot_logtool.reader.containers.source import ByteSource
+from dogbot_logtool.reader.containers.source import ByteSource, copied
 from dogbot_logtool.reader.decode.columns import gather
 
 MAX_CHUNK_SIZE: Final = 1 << 30
@@ -149,61 +148,57 @@ def _single_block(data: memoryview) -> tuple[memoryview, int | None] | None:
     return body, int.from_bytes(tail[4:], "little") if has_checksum else None
 
 
-def open_zstd(source: ByteSource, open_file: Callable[[Path], Log]) -> Log:
+def open_zstd(source: ByteSource, open_source: Callable[[ByteSource], Log]) -> Log:
     """Open a zstd-compressed log; nothing stays on the disk.
 
     What stands before damage is read, and the damage is a loss.
 
     Args:
         source: the compressed file.
-        open_file: opens what is in it.
+        open_source: opens what is in it.
 
     Raises:
         LogError: it swells absurdly, or what is in it is no log.
     """
-    path = source.path
-    with scratch_folder() as folder:
-        copy = folder / file_stem(path)
-        try:
-            with copy.open("xb") as file:
-                loss = _decompress(source, file)
-        except OSError as error:
-            raise LogError(f"{name_of(path)}: cannot be decompressed: {error.strerror}") from error
-        try:
-            log = open_file(copy)
-        except LogError as error:
-            why = str(error).replace(str(copy), name_of(path))
-            raise LogError(why if loss is None else f"{name_of(path)}: {loss.what}") from error
-    # The file's name is gone, but the log holds its bytes open.
-    log.source.path = path
-    if loss is not None:
-        # Whatever was in the compressed bytes came after all that was read.
-        log.losses = (loss._replace(start_time=log.end_time), *log.losses)
+    losses: list[Loss] = []
+    copy = copied(source.path, _decompressed(source, losses))
+    try:
+        log = open_source(copy)
+    except BaseException as error:
+        copy.close()
+        if losses and isinstance(error, LogError):
+            raise LogError(f"{name_of(source.path)}: {losses[0].what}") from error
+        raise
+    # Whatever was in the compressed bytes came after all that was read.
+    log.losses = (*(loss._replace(start_time=log.end_time) for loss in losses), *log.losses)
     return log
 
 
-def _decompress(source: ByteSource, target: BinaryIO) -> Loss | None:
-    """Write what the frames of a file hold, up to the piece in which one is damaged.
+def _decompressed(source: ByteSource, losses: list[Loss]) -> Iterator[tuple[int, bytes]]:
+    """Yield what the frames of a file hold, up to the piece in which one is damaged, by its offset.
 
     Parallel compressors write many frames, and such as are to be skipped before them.
 
-    Returns:
-        what is wrong with the rest.
+    Args:
+        source: the file.
+        losses: receives what is wrong with the rest.
 
     Raises:
         LogError: there is too much content.
     """
     size, offset, data = source.size, 0, source.read(0, _PIECE)
-    most = max(_MOST_FREE, _MAX_FILE_RATIO * size)
+    most, written = max(_MOST_FREE, _MAX_FILE_RATIO * size), 0
     zstd = zstandard.ZstdDecompressor()
     try:
         while is_zstd(data):
             frame = zstd.decompressobj()
             while not frame.eof:
                 if not data:
-                    return Loss(size, f"its zstd data is cut off after {size} bytes", 0, None)
-                target.write(frame.decompress(data))
-                if target.tell() > most:
+                    raise zstandard.ZstdError("it is cut off")
+                content = frame.decompress(data)
+                yield written, content
+                written += len(content)
+                if written > most:
                     raise LogError(f"{name_of(source.path)}: its {size} bytes swell to over {most}")
                 offset += len(data) - len(frame.unused_data)
                 data = source.read(offset, _PIECE)
@@ -211,13 +206,15 @@ def _decompress(source: ByteSource, target: BinaryIO) -> Loss | None:
         what = (
             f"its zstd data is damaged behind byte {offset} ({error}); what stands before was read"
         )
-        return Loss(offset, what, size - offset, None)
+        losses.append(Loss(offset, what, size - offset, None))
+        return
     start = offset
     while data and not data.strip(b"\0"):
         offset += len(data)
         data = source.read(offset, _PIECE)
-    what = f"the {size - start} bytes behind its zstd data were left out"
-    return Loss(start, what, size - start, None) if data else None
+    if data:
+        what = f"the {size - start} bytes behind its zstd data were left out"
+        losses.append(Loss(start, what, size - start, None))
 
 
 def unpacked(batch: Batch) -> Batch:

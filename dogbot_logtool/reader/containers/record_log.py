@@ -283,16 +283,11 @@ class RecordLog(Log):
         found, self.chunks = self.chunks, []
         has_checksums = any(chunk.crc for chunk in found)
         for chunk in found:
-            # A damaged chunk may seem to end before its end, and messages to follow it.
-            if has_checksums and self._losses and not chunk.is_record:
-                what = (
-                    f"the {chunk.size} bytes from byte {chunk.offset} on were left out: they "
-                    "belong to a damaged chunk"
-                )
-                self._losses.append(Loss(chunk.offset, what, chunk.size, None))
-                continue
             known = chunk._replace(**self._stated.get(chunk.offset, {}))
             try:
+                # A damaged chunk may seem to end before its end, and messages to follow it.
+                if has_checksums and self._losses and not chunk.is_record:
+                    raise ChunkDamage("it is a part of a damaged one")
                 self.chunks.append(self._read_chunk(known))
             except ChunkDamage as damage:
                 is_cut = chunk.offset == self._cut_off

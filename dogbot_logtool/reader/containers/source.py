@@ -110,33 +110,34 @@ class ByteSource:
         self._file.close()
 
 
-def copied(path: Location, size: int, pieces: Iterable[tuple[int, bytes]]) -> ByteSource:
+def copied(path: Location, pieces: Iterable[tuple[int, bytes]]) -> ByteSource:
     """Return a copy of a file on the disk, without a name, which is gone when it is closed.
 
     Args:
         path: its name for users.
-        size: of the copy.
         pieces: offsets and bytes; later ones replace earlier ones.
 
     Raises:
         LogError: there is no room.
     """
-    import shutil  # noqa: PLC0415 - few logs need a copy
-    import tempfile  # noqa: PLC0415
+    import tempfile  # noqa: PLC0415 - few logs need a copy
 
-    room = shutil.disk_usage(tempfile.gettempdir()).free
-    if size > room:
+    try:
+        # A file that is open loses its name here, and its bytes when it is closed; Windows does
+        # not remove open files.
+        with tempfile.TemporaryDirectory(
+            prefix="dogbot-logtool.", ignore_cleanup_errors=True
+        ) as folder:
+            with Path(folder, "copy").open("wb") as file:
+                for offset, data in pieces:
+                    file.seek(offset)
+                    file.write(data)
+            copy = ByteSource(Path(folder, "copy"))
+    except OSError as error:
         raise LogError(
-            f"{storage.name_of(path)}: is not read by parts, so that all its {size} "
-            f"bytes are needed on a disk; {tempfile.gettempdir()} has room for {room} (TMPDIR "
-            "names another)"
-        )
-    with storage.scratch_folder() as folder:
-        with (folder / "copy").open("wb") as file:
-            for offset, data in pieces:
-                file.seek(offset)
-                file.write(data)
-        copy = ByteSource(folder / "copy")
+            f"{storage.name_of(path)}: is not read by parts, and all of it cannot be kept in "
+            f"{tempfile.gettempdir()}: {error.strerror} (TMPDIR names another folder)"
+        ) from error
     copy.path = path
     return copy
 
@@ -203,7 +204,7 @@ class RemoteSource(ByteSource):
             LogError: there is no room.
         """
         runs = [(start, min(start + _PIECE, self.size)) for start in range(0, self.size, _PIECE)]
-        return copied(self.path, self.size, ((run[0], self._fetch([run])[0]) for run in runs))
+        return copied(self.path, ((run[0], self._fetch([run])[0]) for run in runs))
 
     def close(self) -> None:
         """Forget what was read."""

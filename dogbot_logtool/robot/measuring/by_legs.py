@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import median_of
 from dogbot_logtool.core.frames.transforms import fixed_turn
 from dogbot_logtool.core.legs.estimate import Estimate, estimate
-from dogbot_logtool.core.legs.ground import TOO_MUCH, WRONG_SIGN, joints_of_legs
+from dogbot_logtool.core.legs.ground import TOO_MUCH, joints_of_legs
 from dogbot_logtool.core.legs.joints import link_tracks
 from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.settings import WalkSettings
@@ -85,19 +85,12 @@ def _estimated(
         findings.append(found("BASE_FROM_LEGS", say="joints", by=by, lean=lean, within=within))
     if lacks_feet:
         topic = joints.topic
-        own = tuple(
-            Foot(
-                leg.name,
-                topic,
-                leg_position=leg.position,
-                frame=leg.foot,
-                contact_point_m=leg.point,
-            )
-            for leg in legs
+        feet = tuple(
+            Foot(each.name, topic, "", each.position, each.foot, each.point) for each in legs
         )
-        named = replace(named, mass_kg=mass, feet=own)
+        named = replace(named, mass_kg=mass, feet=feet)
         findings = [each for each in findings if not _is_settled(each, recording)]
-        findings += _of_contact(estimated, topic, tuple(leg.name for leg in legs))
+        findings += _of_contact(estimated, topic)
     selection = selection._replace(
         robot=named,
         findings=tuple(findings),
@@ -148,12 +141,10 @@ def _based(recording: Recording, named: str | None, robot: RobotOfUrdf) -> Robot
     return robot._replace(base=next((name for name in names if name in below), robot.base))
 
 
-def _of_contact(estimated: Estimate, topic: str, names: tuple[str, ...]) -> Iterator[Finding]:
+def _of_contact(estimated: Estimate, topic: str) -> Iterator[Finding]:
     """Yield that contact is estimated, and why efforts are no torques: work is none, either."""
     why = estimated.why_no_force
     say = "plain" if why else "forces"
     yield replace(found("CONTACT_ESTIMATED", say=say, topic=topic, why=why), where="")
     if why.startswith(TOO_MUCH):
         yield found("JOINT_VALUES", "efforts", where="legs.absolute_work_j", why=why)
-    if why.startswith(WRONG_SIGN):
-        yield Finding("EFFORT_SIGN", why, "legs.positive_work_j", feet=names)

@@ -13,11 +13,11 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, concatenated, nearest_rows, norms, percentiles_of
+from dogbot_logtool.core.arrays import Floats, concatenated, mean_of_known, nearest_rows, norms
 from dogbot_logtool.core.clock import usual_interval_s
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.contact.foot_history import Thresholds
-from dogbot_logtool.core.contact.sensor import SensorLevel, estimate_level
+from dogbot_logtool.core.contact.sensor import estimate_level
 from dogbot_logtool.core.recording import Recording, has_own_stamps
 from dogbot_logtool.core.sensors import MOST_OF_LOAD, contact_rule
 from dogbot_logtool.finding import Finding, found
@@ -40,8 +40,6 @@ _BLUR: Final = 0.02
 _UNLOADED: Final = 1.0 / 3.0
 """Share of the distance between two levels up to which the lower is that of a foot in the air;
 weight that is shifted in a stand leaves more on each foot."""
-_WALKING: Final = (0.1, 0.95)
-"""Share of the time in which a walking robot's foot is on the ground."""
 NEAR: Final = 1.5
 """Intervals between the messages of two sensors of one foot that tell of one time."""
 LEAST_N: Final = 1e-9
@@ -88,30 +86,25 @@ def _compare_flags(feet: Sequence[Samples], selection: Selection, rows: Sequence
     its load without them are inverted: these are ignored.
     """
     times = np.unique(np.concatenate([each.log_time for each in feet]))
-    load, flag = np.full((2, len(times), len(feet)), np.nan)
+    load, flag = np.full((2, len(feet), len(times)), np.nan)
     for foot, each in enumerate(feet):
         at = np.searchsorted(times, each.log_time)
-        load[at, foot], flag[at, foot] = norms(each.force), each.in_contact
-    known = np.isfinite(load)
-    borne = np.where(known, load, 0.0)
-    total = borne.sum(axis=1, keepdims=True)
-    touching = flag > 0.0
-    wrong = np.where(touching, load == 0.0, load > _LOAD_SHARE * total)
+        load[foot, at], flag[foot, at] = norms(each.force), each.in_contact
+    total = np.nansum(load, axis=0)
+    wrong = np.where(flag > 0.0, load == 0.0, load > _LOAD_SHARE * total)
     # Without any load, as before a simulation begins, forces tell nothing.
-    wrong &= known & (total > 0.0)
-    count, touches = known.sum(axis=0), (touching & known).sum(axis=0)
-    constant = (touches == 0) | (touches == count)
-    flagged = np.where(touching, borne, 0.0).sum(axis=0) / np.maximum(touches, 1)
-    others = np.where(touching, 0.0, borne).sum(axis=0) / np.maximum(count - touches, 1)
-    inverted = flagged < _INVERTED * others
-    of_constant = wrong[:, constant].sum() / max(count[constant].sum(), 1)
-    ignored = np.where(constant, of_constant > _CONTRADICTED, inverted)
+    wrong &= np.isfinite(load) & (total > 0.0)
+    share = wrong.sum(axis=1) / np.maximum(np.isfinite(load).sum(axis=1), 1)
+    touches = mean_of_known(flag)
+    with_flag, without = (mean_of_known(np.where(flag == up, load, np.nan)) for up in (1.0, 0.0))
+    inverted = with_flag < _INVERTED * without
+    ignored = inverted | (np.isin(touches, (0.0, 1.0)) & (share > _CONTRADICTED))
     findings, numbers = [], np.array(rows)
     for say, some, least in (("ignored", ignored, 0.0), ("plain", ~ignored, _DOUBTFUL)):
-        of_some = float(wrong[:, some].sum() / max(count[some].sum(), 1))
-        if of_some > least:
+        mean = float(share[some].sum() / max(some.sum(), 1))
+        if mean > least:
             names = listed([selection.robot.feet[row].name for row in numbers[some].tolist()])
-            findings.append(found("FLAGS_CONTRADICTED", say=say, share=of_some, names=names))
+            findings.append(found("FLAGS_CONTRADICTED", say=say, share=mean, names=names))
     return selection._replace(
         ignored_flags=frozenset(numbers[ignored].tolist()),
         findings=(*selection.findings, *findings),
@@ -131,7 +124,7 @@ def _with_levels(
     robot = selection.robot
     thresholds = dict.fromkeys(raw, (0.0, robot.contact_on_counts))
     say, told = "unknown", ""
-    if robot.contact_on_counts is None and all(f.newtons_per_count is None for f in robot.feet):
+    if robot.contact_on_counts is None:
         levels = {row: _contact_level(feet[row]) for row in raw}
         wrong = [f"{robot.feet[row].name}: {why}" for row, (_, _, why) in levels.items() if why]
         if wrong:
@@ -159,24 +152,15 @@ def _contact_level(samples: Samples) -> tuple[float, float, str]:
     Returns:
         both, and why these say nothing; empty: they do.
     """
-    level = _level(samples)
-    rule = contact_rule(level, None, Thresholds(), None)
-    offset, loaded, why = float(level.offset_n[2]), level.loaded_n or 0.0, level.reason
-    down = float((samples.force[:, 2] - offset >= rule.on_n).mean()) if loaded else 0.0
-    low, high = _WALKING
-    if not why and (rule.on_n > MOST_OF_LOAD * loaded or not low <= down <= high):
-        why = "its counts do not change as in steps"
-    return offset, rule.on_n, why
-
-
-def _level(samples: Samples) -> SensorLevel:
-    """Return the level of a sensor that load raises, from its counts."""
     force = samples.force.astype(float)
     if len(force):
         # A mode that is a count or two narrower than the other must not pass for the unloaded one.
-        low, high = percentiles_of(force[:, 2], [5.0, 95.0])
+        low, high = np.percentile(force[:, 2], [5.0, 95.0])
         force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
-    return estimate_level(samples.log_time, force, _UNLOADED)
+    level = estimate_level(samples.log_time, force, _UNLOADED)
+    on, offset = contact_rule(level, None, Thresholds(), None).on_n, float(level.offset_n[2])
+    alike = on > MOST_OF_LOAD * (level.loaded_n or 0.0)
+    return offset, on, level.reason or ("its counts do not change as in steps" if alike else "")
 
 
 def _counted(samples: Samples, offset: float, on_counts: float | None) -> Samples:

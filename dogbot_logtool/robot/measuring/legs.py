@@ -1,12 +1,11 @@
 """Which of a log's messages tell of its legs, joints and frames, and where feet are."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final
 
 from dogbot_logtool.core.frames.kinematics import Joint
 from dogbot_logtool.core.frames.transforms import chain_of_frames
 from dogbot_logtool.core.frames.wrench_frame import FramePoint
-from dogbot_logtool.core.known_frames import KnownFrames, Point
+from dogbot_logtool.core.known_frames import KnownFrames
 from dogbot_logtool.core.legs.joints import LegChain, LegSettings
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
@@ -15,8 +14,6 @@ from dogbot_logtool.robot.names import leg_of, name_feet
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.urdf import RobotOfUrdf
 from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
-
-_ORIGIN: Final = (0.0, 0.0, 0.0)
 
 
 def find_legs(
@@ -32,14 +29,15 @@ def find_legs(
     feet = selection.robot.feet
     measured = {name for each in recording.joints for name in each.names}
     joints = {joint.child: joint for joint in robot.joints} if robot and measured else {}
-    chains = leg_chains(selection, probe, {child: joint.parent for child, joint in joints.items()})
+    parents = {child: joint.parent for child, joint in joints.items()}
+    chains = leg_chains(selection, probe, parents, probe.base)
     moved = [_moved(chain, joints) for chain in chains]
     lacking = [[name for name in names if name not in measured] for names in moved]
     known = [bool(names) and not missing for names, missing in zip(moved, lacking, strict=True)]
     chains = [chain if kept else None for chain, kept in zip(chains, known, strict=True)]
     by_joints = any(chains)
     if not by_joints:
-        chains = leg_chains(selection, probe, probe.parent_of)
+        chains = leg_chains(selection, probe, probe.parent_of, probe.base)
     if not any(chains) and not recording.joints:
         return None
     by_frames = not by_joints and any(chains)
@@ -86,16 +84,9 @@ def _feet_of_joints(
     legs = [foot.leg_position or leg_of(foot.name) for foot in feet]
     for name in sorted(names - found.keys()):
         leg = leg_of(name)
-        matching = [number for number, each in enumerate(legs) if _is_of(leg, each)]
-        if len(matching) == 1 and Part.NOT_A_FOOT not in parts_of([name]):
-            found[name] = matching[0]
+        if leg[1] and legs.count(leg) == 1 and Part.NOT_A_FOOT not in parts_of([name]):
+            found[name] = legs.index(leg)
     return found
-
-
-def _is_of(leg: tuple[str, str], foot: tuple[str, str]) -> bool:
-    """Tell whether a joint's leg is that of a foot; two feet have no ends."""
-    ends = foot[0] if foot[0] in {"front", "back"} else ""
-    return bool(foot[1]) and leg[1] == foot[1] and (leg[0] == foot[0] or not (ends or leg[0]))
 
 
 def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> dict[str, tuple[str, str]]:
@@ -116,23 +107,13 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> dict[str, tuple[
 def sensor_points(
     selection: Selection, frames: KnownFrames, settings: WalkSettings
 ) -> list[FramePoint | None]:
-    """Return the position of each foot without contact points; None: it has some, or no force.
-
-    It is at the frame of the robot's file or of its messages; where the log's transforms do not
-    place that, at the frame that is named like the leg's foot.
-    """
-    parents = frames.parent_of
-    named = named_frames(selection.robot.feet, parents)
+    """Return the position of each foot without contact points; None: it has some, or no force."""
     points = frames.in_base(settings)
-    for foot, described in enumerate(selection.robot.feet):
+    chains = leg_chains(selection, frames, frames.parent_of, frames.world)
+    for foot, chain in enumerate(chains):
         has_points = any(source.has_points for source in selection.sources_of(foot))
-        if points[foot] or has_points or not settings.feet[foot].has_force:
-            continue
-        frame = described.frame or frames.links[foot]
-        is_placed = frame and chain_of_frames(parents, frame, frames.world) is not None
-        if described.frame is None and described.leg_position is not None and not is_placed:
-            frame = named.get(foot, frame)
-        points[foot] = FramePoint(frame, described.contact_point_m) if frame else None
+        if chain and not (points[foot] or has_points) and settings.feet[foot].has_force:
+            points[foot] = FramePoint(chain.frames[0], chain.point)
     return points
 
 
@@ -140,27 +121,39 @@ def sensor_points(
 
 
 def leg_chains(
-    selection: Selection, probe: KnownFrames, parents: Mapping[str, str]
+    selection: Selection, probe: KnownFrames, parents: Mapping[str, str], top: str
 ) -> list[LegChain | None]:
-    """Return how feet hang on the base by the parents of frames.
+    """Return how feet hang on a frame by the parents of frames.
 
-    Each does by its own frame, or by one that is named so.
+    A foot does by the frame of the robot's file, else by the link of its contacts if its sole is
+    known there, else by a frame that is named so, else by that link.
     """
-    feet, chains = selection.robot.feet, list[LegChain | None]()
-    named = named_frames(feet, parents)
-    for number, foot in enumerate(feet):
-        frame, point = _place_of_foot(selection, probe, number) or (None, None)
-        if frame and point:
-            places = [(frame, point, foot.frame is None or any(point))]
-        else:
-            places = [(each, _ORIGIN, False) for each in (named.get(number), frame) if each]
-        found = (
-            LegChain(frames, probe.base.lstrip("/"), point, touches)
-            for frame, point, touches in places
-            if (frames := chain_of_frames(parents, frame, probe.base))
-        )
-        chains.append(next(found, None))
+    chains = list[LegChain | None]()
+    names = [foot.name for foot in selection.robot.feet]
+    named = named_frames(selection.robot.feet, parents)
+    for number, foot in enumerate(selection.robot.feet):
+        like, link = _link_of(names, probe, number)
+        point, places = foot.contact_point_m, [foot.frame or link]
+        if foot.frame is None:
+            point = probe.soles.get(like, point)
+            places[:0] = [] if any(point) else [named.get(number)]
+        found = (chain_of_frames(parents, each, top) for each in places if each)
+        frames = next(filter(None, found), None)
+        chains.append(LegChain(frames, top.lstrip("/"), point) if frames else None)
     return chains
+
+
+def _link_of(names: Sequence[str], probe: KnownFrames, number: int) -> tuple[int, str | None]:
+    """Return the link of a foot's contacts, and the foot, itself or another, that is made like it.
+
+    A foot that reports no contact is on a link that is named as another foot's.
+    """
+    for like, link in enumerate(probe.links):
+        if probe.links[number] is None and link and names[like] in link:
+            named = link.lstrip("/").replace(names[like], names[number])
+            if named in probe.parents:
+                return like, named
+    return number, probe.links[number]
 
 
 def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
@@ -177,23 +170,3 @@ def named_frames(feet: Sequence[Foot], frames: Iterable[str]) -> dict[int, str]:
     named = {each.leg_position or each.name: each.topic for each in found.feet}
     keys = (foot.leg_position if foot.leg_position in named else foot.name for foot in feet)
     return {number: named[key] for number, key in enumerate(keys) if key in named}
-
-
-def _place_of_foot(
-    selection: Selection, probe: KnownFrames, number: int
-) -> tuple[str, Point | None] | None:
-    """Return the frame of a foot and where it touches, m in that frame; None: not known.
-
-    By the robot's file, else by the link of its contacts. A foot that reports no contact is on a
-    link that is named as another foot's, but for the foot's name, and is made like that one.
-    """
-    foot = selection.robot.feet[number]
-    names = [each.name for each in selection.robot.feet]
-    if foot.frame is not None:
-        return foot.frame.lstrip("/"), foot.contact_point_m
-    for like, link in sorted(enumerate(probe.links), key=lambda each: each[0] != number):
-        if link is not None and (like == number or names[like] in link):
-            named = link.lstrip("/").replace(names[like], foot.name)
-            if like == number or named in probe.parents:
-                return named, probe.soles.get(number, probe.soles.get(like))
-    return None

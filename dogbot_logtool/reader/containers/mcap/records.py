@@ -54,20 +54,10 @@ _HEAD: Final = np.dtype([("opcode", "u1"), ("length", "<u8")])
 _MAY_STAND_IN_CHUNK: Final = np.arange(256) > LARGEST_OPCODE
 """(256,) by opcode; of those that are known, only three."""
 _MAY_STAND_IN_CHUNK[[Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE]] = True
-_DECODED: Final = {
-    Opcode.HEADER: records.Header,
-    Opcode.FOOTER: records.Footer,
-    Opcode.SCHEMA: records.Schema,
-    Opcode.CHANNEL: records.Channel,
-    Opcode.STATISTICS: records.Statistics,
-    Opcode.CHUNK_INDEX: records.ChunkIndex,
-    Opcode.METADATA: records.Metadata,
-    Opcode.ATTACHMENT_INDEX: records.AttachmentIndex,
-    Opcode.METADATA_INDEX: records.MetadataIndex,
-    Opcode.SUMMARY_OFFSET: records.SummaryOffset,
-    Opcode.DATA_END: records.DataEnd,
+_KINDS: Final[dict[int, type[records.McapRecord]]] = {
+    opcode: getattr(records, opcode.name.title().replace("_", "")) for opcode in Opcode
 }
-_KNOWN: Final = {*_DECODED, Opcode.MESSAGE, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}
+"""The mcap library's record of each opcode, such as `ChunkIndex` of CHUNK_INDEX."""
 
 
 class _Stream(ReadDataStream):
@@ -217,7 +207,7 @@ class McapFormat:
         if opcode == Opcode.CHUNK:
             return is_chunk(head)
         following = offset + RECORD_HEAD.size + length
-        is_known = opcode in _KNOWN
+        is_known = opcode in _KINDS
         may_be_later = opcode > LARGEST_OPCODE and following < end
         if following > end or not (is_known or may_be_later):
             # A following record that the end cuts off says nothing against those before it.
@@ -254,7 +244,7 @@ class McapFormat:
         if opcode in {Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT}:
             padding = length - _content_size(read, start, opcode)
             return 0 <= padding <= LARGEST_PADDING or None
-        kind = _DECODED.get(Opcode(opcode)) if opcode in _DECODED else None
+        kind = _KINDS.get(opcode)
         if kind is None or length > WHOLE_SMALL_RECORD:
             return None
         return decode_record(kind, read(start, length))

@@ -100,7 +100,7 @@ def _with_pages(
         for number, offset in pages:
             yield (number - 1) * database.size, file.read(offset, database.size)
 
-    copy = copied(source.path, max(source.size, max(pages)[0] * database.size), pieces())
+    copy = copied(source.path, pieces())
     source.close()
     return copy
 

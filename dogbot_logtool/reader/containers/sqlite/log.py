@@ -9,7 +9,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Ints, rows_by_group
 from dogbot_logtool.errors import LogError
-from dogbot_logtool.io.storage import Location, name_of
+from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.compression import unpacked
 from dogbot_logtool.reader.containers.log import (
     Batch,
@@ -29,7 +29,6 @@ from dogbot_logtool.reader.containers.sqlite.journals import with_journals
 from dogbot_logtool.reader.containers.sqlite.pages import Damage, Pages
 from dogbot_logtool.reader.containers.sqlite.tables import (
     MessageTable,
-    Table,
     find_tables,
     small_rows,
 )
@@ -39,14 +38,14 @@ _CHUNK_SIZE: Final = 1 << 20
 """Bytes of messages from which a chunk is full."""
 _LARGEST_ID: Final = 0xFFFF
 """Of a channel of an MCAP; topics are numbered from 1 on."""
-_NEEDED: Final = {
-    "topics": {"id", "name", "type"},
-    "messages": {"topic_id", "timestamp", "data"},
+_COLUMNS: Final = {
+    "topics": ("id", "name", "type"),
+    "messages": ("id", "topic_id", "timestamp", "data"),
+    "message_definitions": ("id", "topic_type", "encoding", "encoded_message_definition"),
+    "schema": ("schema_version", "ros_distro"),
 }
-_DEFINITIONS: Final = "message_definitions"
-_SCHEMA: Final = "schema"
-"""Tables of newer recorders."""
-TABLES: Final = (*_NEEDED, _DEFINITIONS, _SCHEMA)
+"""With which the tables of all recorders begin; only newer recorders write the latter two."""
+_NEEDED: Final = ("topics", "messages")
 
 
 class SqliteLog(Log):
@@ -94,8 +93,13 @@ def open_log(source: ByteSource, distribution: str) -> SqliteLog:
         if cut := pages.cut_off():
             losses.append(cut)
         damage = Damage()
-        tables = find_tables(pages, TABLES, damage)
-        check_tables(tables, pages, damage, source.path)
+        tables = find_tables(pages, _COLUMNS, damage)
+        for name in _NEEDED:
+            if name not in tables:
+                met = damage.loss(pages.size)
+                lacks = f"no ROS 2 bag: no table {name!r} with {', '.join(_COLUMNS[name])}"
+                what = lacks if met is None else met.what
+                raise LogError(f"{name_of(source.path)}: is a SQLite database, but {what}")
         channels = read_topics(tables, pages, damage, distribution)
         table = MessageTable(pages, tables["messages"], [*channels], damage)
         log = SqliteLog(source, table)
@@ -149,37 +153,20 @@ def _chunk(number: int, leaf: Ints, messages: Messages, page_size: int) -> Chunk
     )
 
 
-def check_tables(tables: Mapping[str, Table], pages: Pages, damage: Damage, path: Location) -> None:
-    """Check that the tables are those of a ROS 2 bag.
-
-    Raises:
-        LogError: they are not, or they are damaged.
-    """
-    for name, needed in _NEEDED.items():
-        table = tables.get(name)
-        if table is None:
-            met = damage.loss(pages.size)
-            what = f"but no ROS 2 bag: no table {name!r}" if met is None else f"but {met.what}"
-            raise LogError(f"{name_of(path)}: is a SQLite database, {what}")
-        if missing := needed - table[1].keys():
-            why = f"its table {name!r} has no {min(missing)!r}"
-            raise LogError(f"{name_of(path)}: is no ROS 2 bag: {why}")
-
-
 def read_topics(
-    tables: Mapping[str, Table], pages: Pages, damage: Damage, distribution: str
+    tables: Mapping[str, int], pages: Pages, damage: Damage, distribution: str
 ) -> dict[int, Channel]:
     """Return the topics; definitions of their types that the log has itself go first."""
     definitions: dict[str, tuple[str, str]] = {}
-    names: tuple[str, ...] = ("topic_type", "encoding", "encoded_message_definition")
-    for name, encoding, text in small_rows(pages, tables.get(_DEFINITIONS), names, damage):
+    definitions_root = tables.get("message_definitions")
+    for name, encoding, text in small_rows(pages, definitions_root, (1, 2, 3), damage):
         if encoding in {"ros2msg", "ros2idl"} and text:
             definitions.setdefault(long_type_name(str(name)), (str(encoding), str(text)))
-    for (own,) in small_rows(pages, tables.get(_SCHEMA), ("ros_distro",), damage):
+    for (own,) in small_rows(pages, tables.get("schema"), (1,), damage):
         distribution = own if isinstance(own, str) else distribution
     topics: dict[int, tuple[str, str, str, str]] = {}
-    names = ("id", "name", "type", "serialization_format", "offered_qos_profiles")
-    for number, name, kind, form, profiles in small_rows(pages, tables["topics"], names, damage):
+    # Those that have more columns have the format and the profiles as fourth and fifth.
+    for number, name, kind, form, profiles in small_rows(pages, tables["topics"], range(5), damage):
         if not (isinstance(number, int) and isinstance(name, str) and isinstance(kind, str)):
             continue
         if 0 <= number <= _LARGEST_ID:

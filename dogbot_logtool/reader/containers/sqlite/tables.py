@@ -1,7 +1,7 @@
 """The tables of a SQLite database: columns, values in many records, rows that are messages."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -23,83 +23,55 @@ from dogbot_logtool.reader.containers.sqlite.pages import (
 )
 from dogbot_logtool.reader.decode.columns import gather_bytes
 
-_TEXT: Final = re.compile(r"'(?:[^']|'')*'")
-_COMMA: Final = re.compile(r",(?![^(]*\))")
-"""One that stands in no parentheses."""
-_WORD: Final = re.compile(r'"[^"]*"|[\w$]+')
-_UNUSUAL: Final = re.compile(r"--|/\*|\b(?:AS|GENERATED|WITHOUT)\b", re.IGNORECASE)
-"""Comments, columns that are computed, and rows without numbers."""
-_LONGEST_SQL: Final = 1 << 12
-_MOST_COLUMNS: Final = 256
-_CONSTRAINTS: Final = {"constraint", "primary", "unique", "check", "foreign"}
 _MOST_ROWS: Final = 1 << 16
 """Of a small table: an MCAP has no more channels."""
 _MOST_BYTES: Final = 64 << 20
 """Of all its rows."""
-_KEY: Final = "id"
-"""The column that is the number of the row, and NULL in the records."""
-
 _SIZES: Final = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0])
 """Bytes of numbers by their type; larger types tell the sizes of texts and blobs."""
 _ELSEWHERE: Final = -1
 _NULL, _FLOAT, _ZERO, _ONE, _BLOB = 0, 7, 8, 9, 12
 
 Value = int | str | bytes | None
-_COLUMNS: Final = ("topic_id", "timestamp", "data")
+_MASTER_ROOT: Final = 1
+_MASTER_COLUMNS: Final = (0, 1, 3, 4)
+"""Type, name, first page and SQL of all tables, views and indices."""
+_MESSAGE_COLUMNS: Final = (1, 2, 3)
+"""Topic, time and data."""
 
 
-Table = tuple[int, Mapping[str, int]]
-"""Of a plain table, in which nothing is computed: number of its first page, and numbers of its
-columns in its records, by name in lower case."""
-_SCHEMA: Final[Table] = 1, {"type": 0, "name": 1, "rootpage": 3, "sql": 4}
-"""The table of all tables, views and indices."""
+def find_tables(pages: Pages, names: Mapping[str, Sequence[str]], damage: Damage) -> dict[str, int]:
+    """Find tables that begin with some columns; return the number of the first page of each.
 
-
-def find_tables(pages: Pages, names: Collection[str], damage: Damage) -> dict[str, Table]:
-    """Find plain tables by their names, in lower case; all others are left out."""
-    found: dict[str, Table] = {}
-    for kind, name, root, sql in small_rows(pages, _SCHEMA, tuple(_SCHEMA[1]), damage):
+    Args:
+        pages: of the database.
+        names: of the columns, by the table's name in lower case.
+        damage: receives what is found.
+    """
+    found: dict[str, int] = {}
+    for kind, name, root, sql in small_rows(pages, _MASTER_ROOT, _MASTER_COLUMNS, damage):
         key = str(name).lower()
-        columns = _columns(str(sql)) if kind == "table" and key in names else {}
-        if columns and isinstance(root, int):
-            found.setdefault(key, (root, columns))
+        if kind == "table" and key in names and isinstance(root, int):
+            pattern = r"\b[^,]*,\W*".join(names[key])
+            if re.match(rf"[^(]*\(\W*{pattern}\b", str(sql), re.IGNORECASE):
+                found.setdefault(key, root)
     return found
 
 
-def _columns(sql: str) -> dict[str, int]:
-    """Return the numbers of a table's columns by their names; none if it is no plain table.
-
-    Args:
-        sql: ``CREATE TABLE name (...)`` as SQLite stores it.
-    """
-    plain = _TEXT.sub("", sql[:_LONGEST_SQL])
-    start, end = plain.find("("), plain.rfind(")")
-    if len(sql) > _LONGEST_SQL or start < 0 or _UNUSUAL.search(plain):
-        return {}
-    columns: dict[str, int] = {}
-    for part in _COMMA.split(plain[start + 1 : end]):
-        words = [word.strip('"').lower() for word in _WORD.findall(part)]
-        if words and words[0] not in _CONSTRAINTS:
-            columns[words[0]] = len(columns)
-    return columns if len(columns) <= _MOST_COLUMNS else {}
-
-
 def small_rows(
-    pages: Pages, table: Table | None, names: Sequence[str], damage: Damage
+    pages: Pages, root: int | None, wanted: Sequence[int], damage: Damage
 ) -> Iterator[tuple[Value, ...]]:
     """Yield some columns of the rows of a small table; rows beyond some number are left out.
 
     Args:
         pages: of the database.
-        table: one that there is not has no rows.
-        names: of its columns; None stands for the values of those that it has not.
+        root: number of the table's first page; a table that there is not has no rows.
+        wanted: numbers of the columns; what a record has not is None. The first one may be the
+            number of the row, which the record has not either.
         damage: receives what is found.
     """
-    if table is None:
+    if root is None:
         return
-    # No record has a value for a column behind the last.
-    root, numbered = table
-    wanted = [numbered.get(name, len(numbered)) for name in names]
     left = _MOST_ROWS
     numbers = leaves(pages, root, damage)
     for cells in cells_in(pages, numbers, min(_MOST_BYTES, pages.bytes), damage):
@@ -109,8 +81,8 @@ def small_rows(
         every = [each.values(few.buffer, pages.encoding) for each in found]
         for row in np.flatnonzero(sound).tolist():
             yield tuple(
-                int(few.rowid[row]) if name == _KEY and own[row] is None else own[row]
-                for name, own in zip(names, every, strict=True)
+                int(few.rowid[row]) if column == 0 and own[row] is None else own[row]
+                for column, own in zip(wanted, every, strict=True)
             )
         left -= len(few.size)
         if not left:
@@ -206,19 +178,17 @@ ascending; the messages; and the buffer that they are in."""
 class MessageTable:
     """The table of messages; safe to share among threads."""
 
-    def __init__(self, pages: Pages, table: Table, topics: Sequence[int], damage: Damage) -> None:
+    def __init__(self, pages: Pages, root: int, topics: Sequence[int], damage: Damage) -> None:
         """Find the pages of the rows.
 
         Args:
             pages: of the database.
-            table: the table.
+            root: number of the table's first page.
             topics: ids of the topics that are described.
             damage: receives what is found.
         """
         self.pages = pages
         self._topics = topics
-        root, numbered = table
-        self._wanted = [numbered[name] for name in _COLUMNS]
         self._damage = damage
         self._leaves = leaves(pages, root, damage)
 
@@ -255,7 +225,7 @@ class MessageTable:
         return times
 
     def _decoded(self, leaf: Ints, cells: Cells, damage: Damage) -> MessageRows:
-        (topic, time, data), _ = columns(cells, self._wanted)
+        (topic, time, data), _ = columns(cells, _MESSAGE_COLUMNS)
         times, topics = time.integers(cells.buffer), topic.integers(cells.buffer)
         sound = topic.is_integer & time.is_integer & data.is_blob & (times >= 0)
         rows = np.flatnonzero(sound & np.isin(topics, self._topics))
