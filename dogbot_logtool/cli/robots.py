@@ -55,7 +55,7 @@ def _new(options: Robots, log: Path, *others: Path) -> NoReturn:
     write(found.text.encode(), target, overwrite=options.overwrite)
     if not options.quiet:
         for other in found.runners_up[:3]:
-            click.echo(f"not chosen: {other.fields} ({'; '.join(other.reasons)})", err=True)
+            click.echo(f"not chosen: {other.told}", err=True)
         files = [str(log), *map(str, others), *(["--join"] if others else [])]
         words = ["dogbot-logtool", "stats", *files, "--robot", str(target or "robot.toml")]
         click.echo(f"  {shell_joined(words)}", err=True)

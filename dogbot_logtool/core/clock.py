@@ -188,39 +188,25 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
         stamp: (n,) ns, above 0.
         log_time: (n,) ns.
     """
-    count = len(stamp)
-    # The clock was set back where all stamps near are lower than all near before.
-    limits, bounds = np.iinfo(np.int64), (FEWEST, count - FEWEST)
-    earlier = np.append(np.full(NEIGHBOURS, limits.max), stamp)
-    later = np.append(stamp, np.full(NEIGHBOURS, limits.min))
-    earliest, latest = (sliding_window_view(each, NEIGHBOURS)[:count] for each in (earlier, later))
-    begins_anew = np.flatnonzero(latest.max(axis=1) < earliest.min(axis=1))
-    begins_anew = begins_anew[(begins_anew >= bounds[0]) & (begins_anew <= bounds[1])]
+    count, ahead, far = len(stamp), np.zeros(len(stamp), np.bool_), LARGEST_STEP_S * 1e9
+    if not count:
+        return ahead, np.empty(0, np.int64)
+    # The clock was set where all stamps near are lower, or far higher, than all near before.
+    near = sliding_window_view(np.pad(stamp, NEIGHBOURS, mode="edge"), NEIGHBOURS)
+    before, after, row = near[:count], near[NEIGHBOURS : NEIGHBOURS + count], np.arange(count)
+    back = after.max(axis=1) < before.min(axis=1)
+    leap = np.maximum(far, 10.0 * np.diff(log_time, prepend=log_time[:1]))
+    forward = after.min(axis=1) - before.max(axis=1) > leap
+    ends = row > count - FEWEST
+    begins_anew = np.flatnonzero((forward | (back & (row >= FEWEST))) & ~ends)
     # A stamp is ahead of most of those after it, up to where the clock is set.
-    epoch = np.searchsorted(begins_anew, np.arange(count), side="right")
-    after, alike = (
-        sliding_window_view(np.append(each[1:], np.full(NEIGHBOURS, limits.min)), NEIGHBOURS)
-        for each in (stamp, epoch)
-    )
-    within = alike == epoch[:, None]
-    ahead = 2 * (within & (after < stamp[:, None])).sum(axis=1) > within.sum(axis=1)
-    forward = _forward_steps(stamp, log_time, ahead, begins_anew)
-    late = forward[forward > bounds[1]]
-    if len(late):
-        ahead[late[0] :] = True
-    return ahead, distinct(np.concatenate([begins_anew, np.setdiff1d(forward, late)]))
-
-
-def _forward_steps(stamp: Ints, log_time: Ints, ahead: Flags, begins_anew: Ints) -> Ints:
-    """Return the rows at which stamps step forward by far more than log time does."""
-    good = np.flatnonzero(~ahead)
-    stamp_step, log_step = np.diff(stamp[good]), np.diff(log_time[good])
-    far = stamp_step - log_step > np.maximum(LARGEST_STEP_S * 1e9, 10.0 * log_step)
-    rows, before = good[1:][far], good[:-1][far]
-    after = np.minimum(rows[:, None] + np.arange(NEIGHBOURS), len(stamp) - 1)
-    stays = stamp[after].min(axis=1) - stamp[before] > LARGEST_STEP_S * 1e9
-    forward: Ints = rows[stays & ~np.isin(rows, begins_anew)]
-    return forward
+    for part in np.split(row, begins_anew):
+        later = np.pad(stamp[part[1:]], (0, NEIGHBOURS), constant_values=np.iinfo(np.int64).max)
+        lower = sliding_window_view(later, NEIGHBOURS) < stamp[part][:, None]
+        ahead[part] = 2 * lower.sum(axis=1) > np.minimum(NEIGHBOURS, part[-1] - part)
+    # Too few stamps far ahead at the end.
+    ahead |= np.maximum.accumulate(forward & ends)
+    return ahead, begins_anew
 
 
 def without_bad_stamps(columns: AnyColumns, check: StampCheck) -> AnyColumns:

@@ -11,6 +11,7 @@ about each of 25 instants a second. How the sensor sits on the base, and in whic
 told by gravity.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -93,27 +94,30 @@ def follow_commands(walk: Walk, history: VectorHistory) -> CommandTrack | None:
     motion = motion_in(base, time[:, None] + np.array([-half, half]), forward_rad)
     moved = motion.displacement.real, motion.displacement.imag, motion.turn
     measured = np.stack(moved, axis=1) / (2e-9 * half)
-    axes, velocity = _in_axes(history, held, time, window, measured, forward_rad)
-    command = _command(held, velocity)
+    command = _command(held, history.vector)
+    commanded = command.mean(time, window)
+    turn_rad, axes_known = _axes_turn(history.frames, commanded, measured, forward_rad)
     longest = timespans.hold_window(holds, time, half + max(_DELAYS_NS), half)
     opposed = []
     if longest.sum() / TRACKING_HZ >= _FEWEST_WINDOWS * window / 1e9:
-        late = [command.mean(time[longest] - delay, window) for delay in _DELAYS_NS]
+        late = [
+            _turned(command.mean(time[longest] - delay, window), turn_rad) for delay in _DELAYS_NS
+        ]
         opposed = [
             name
             for axis, name in enumerate(AXES)
-            if (axes or axis == 2)
+            if (axes_known or axis == 2)
             and all(_oppose(measured[longest, axis], each[:, axis]) for each in late)
         ]
     return CommandTrack(
         history=history,
-        axes=axes,
+        axes_known=axes_known,
         window_ns=window,
         timeout_ns=timeout,
         commanded_s=timespans.total(both) / 1e9,
         no_command_s=(timespans.total(known) - timespans.total(both)) / 1e9,
         time=time,
-        commanded=command.mean(time, window),
+        commanded=_turned(commanded, turn_rad),
         measured=measured,
         opposed=tuple(opposed),
     )
@@ -128,31 +132,30 @@ def _command(held: Ints, velocity: Floats) -> Integral:
     return Integral(held.ravel(), total)
 
 
-def _in_axes(
-    history: VectorHistory,
-    held: Ints,
-    time: Ints,
-    window_ns: int,
-    measured: Floats,
-    forward_rad: float,
-) -> tuple[str | None, Floats]:
-    """Tell by the smaller error whose axes the commands are in, where that makes a difference.
+def _axes_turn(
+    frames: Sequence[str], commanded: Floats, measured: Floats, forward_rad: float
+) -> tuple[float, bool]:
+    """Tell by the smaller error in whose axes commands are: the robot's own, or the base's.
 
     Returns:
-        The axes, see `CommandTrack`, and (n, 3) velocities in the robot's own.
+        rad by which commands are turned into the robot's own axes, and whether that is known.
     """
-    if not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in history.frames):
-        return None, history.vector
+    if not _WORLD_FRAMES.isdisjoint(name.strip("/") for name in frames):
+        return 0.0, False
     if forward_rad == 0.0:
-        return "forward", history.vector
-    forward, left = along_heading(history.vector, np.full(len(history.time), forward_rad))
-    turned = np.stack([forward, left, history.vector[:, 2]], axis=1)
-    readings = {"forward": history.vector, "body": turned}
-    means = {key: _command(held, each).mean(time, window_ns) for key, each in readings.items()}
-    squares = {key: ((measured - each)[:, :2] ** 2).sum() for key, each in means.items()}
-    better, worse = sorted(readings, key=squares.__getitem__)
-    clear = squares[better] <= _CLEARLY**2 * squares[worse] or not means[worse][:, :2].any()
-    return better if clear else None, readings[better]
+        return 0.0, True
+    turns = 0.0, forward_rad
+    errors = [measured - _turned(commanded, each) for each in turns]
+    squares = [float((each[:, :2] ** 2).sum()) for each in errors]
+    better = squares.index(min(squares))
+    clear = squares[better] <= _CLEARLY**2 * squares[1 - better] or not commanded[:, :2].any()
+    return turns[better], bool(clear)
+
+
+def _turned(velocity: Floats, by_rad: float) -> Floats:
+    """(n, 3) velocities as in `AXES`, along axes that are turned to the left."""
+    forward, left = along_heading(velocity, np.full(len(velocity), by_rad))
+    return np.stack([forward, left, velocity[:, 2]], axis=1)
 
 
 def _oppose(measured: Floats, commanded: Floats) -> bool:

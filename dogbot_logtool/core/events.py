@@ -19,7 +19,7 @@ from dogbot_logtool.core.checks.sensors import foot_is_saturated
 from dogbot_logtool.core.contact.stances import Cut, FootTrack, Stances
 from dogbot_logtool.core.gait.classes import IRREGULAR, STAND
 from dogbot_logtool.core.gait.segments import PERIOD_CHANGE, Segment
-from dogbot_logtool.core.loads import LARGEST_FOOT_M, is_stuck
+from dogbot_logtool.core.loads import is_stuck
 from dogbot_logtool.core.metrics import Event, Foot, WalkMetrics
 from dogbot_logtool.core.walk import Walk
 
@@ -37,8 +37,8 @@ class EventType(StrEnum):
     STUMBLE = "stumble"
     """a foot in mid-swing touches something and swings on (value: part of the swing before it)"""
     SLIP = "slip"
-    """the contact point of a loaded foot goes three times as far as in the foot's other stances and
-    5 mm more, or three times as far as `settings.foot_rolling_m` (value: how much further)"""
+    """the contact point of a loaded foot goes three times as far as in the foot's other stances, or
+    as `settings.foot_rolling_m` where that is less, and 5 mm more (value: how much further)"""
     EARLY_CONTACT = "early_contact"
     """a swing ends before 0.7 of the foot's usual swing and the foot stays down (value: how much
     too early)"""
@@ -143,10 +143,8 @@ def _spans(walk: Walk) -> Iterator[Event]:
     for span, size, turn in zip(walk.jumps.spans.tolist(), sizes, turns, strict=True):
         value, unit = (size, "m") if size > SMALLEST_JUMP_M else (abs(turn), "rad")
         yield _event(walk, EventType.POSE_JUMP, span, None, value, unit, "POSE_JUMP")
-    gaps: list[tuple[int | None, Ints]] = [(None, poses.gaps)]
-    for row, foot in enumerate(walk.feet):
-        gaps.append((row, timespans.subtract(foot.record.gaps, foot.record.stopped)))
-    for who, silent in gaps:
+    heard = [timespans.subtract(each.gaps, each.stopped) for each in walk.records]
+    for who, silent in zip([None, *range(len(heard))], [poses.gaps, *heard], strict=True):
         for start, end in silent.tolist():
             yield _event(walk, EventType.GAP, (start, end), who, (end - start) / 1e9, "s", "GAPS")
 
@@ -252,18 +250,14 @@ def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:
     stances, figures = walk.feet[row].stances, walk.feet[row].stances.figures
     rolling_m, touchdown_s = walk.settings.foot_rolling_m, walk.seconds(stances.touchdown)
     counts = stances.whole & ~np.isin(touchdown_s, stumbles)
-    travel = np.where(counts, figures.loaded_reach_m, np.nan)
+    travel = np.where(counts, figures.contact_reach_m, np.nan)
     usual = _usual(walk, stances.touchdown, stances.liftoff, travel)
-    usual[~(travel - usual > np.maximum(SLIP_M, TIMES * usual))] = np.nan
-    is_far = travel > LARGEST_FOOT_M
-    if rolling_m is not None:
-        is_far = travel - rolling_m > max(SLIP_M, TIMES * rolling_m)
-    metres = travel - np.where(np.isnan(usual) & is_far, rolling_m or 0.0, usual)
-    for slip in np.flatnonzero(np.isfinite(metres)).tolist():
+    usual = np.fmin(usual, np.inf if rolling_m is None else rolling_m)
+    further = travel - usual
+    for slip in np.flatnonzero(further > np.maximum(SLIP_M, TIMES * usual)).tolist():
         stance = int(stances.touchdown[slip]), int(stances.liftoff[slip])
         span = _sliding(walk.records[row].track, *stance)
-        code = "SLIPS" if rolling_m is None and np.isnan(usual[slip]) else None
-        yield _event(walk, EventType.SLIP, span, row, float(metres[slip]), "m", code)
+        yield _event(walk, EventType.SLIP, span, row, float(further[slip]), "m")
 
 
 def _sliding(track: FootTrack, start: int, end: int) -> tuple[int, int]:

@@ -256,6 +256,8 @@ def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootP
 
 APPROACH_S: Final = 0.03
 """s before a touchdown that its velocity is taken from."""
+FEWEST_ROWS: Final = 4
+"""Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
 SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
@@ -319,18 +321,19 @@ def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
 def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:
     """(n, 3) m/s, velocity of the foot when it was last known to be in the air.
 
-    It is the slope there of the parabola through three places, `APPROACH_S` from the first to the
-    last. NaN where path or contacts are told too rarely, or the swing is shorter.
+    It is the slope there of the parabola that fits the path's last rows, `APPROACH_S` of them but
+    at least four. NaN where path or contacts are told too rarely, or the swing is shorter.
     """
     if is_slow(path, contact_interval_s):
         return np.full((len(strides.end), 3), np.nan)
+    interval = float(median_of(np.diff(path.time)))
+    rows = max(FEWEST_ROWS, round(APPROACH_S * 1e9 / interval))
     aloft = strides.end - round(contact_interval_s * 1e9)
     last = path.time[np.searchsorted(path.time, aloft, side="right") - 1]
-    step = round(APPROACH_S / 2.0 * 1e9)
-    before, middle, end = (path.at(last - back * step) for back in (2, 1, 0))
-    ahead = ((aloft - last) / step)[:, None] + 0.5
-    slope = 2.0 * (ahead + 1.0) * end - 4.0 * (ahead + 0.5) * middle + 2.0 * ahead * before
-    velocity: Floats = slope / (2.0 * step / 1e9)
-    known = path.unbroken(last - 2 * step, aloft) & (last - 2 * step >= strides.liftoff)
+    time = last[:, None] - np.rint(interval * np.arange(rows)).astype(np.int64)
+    since_s = (time - aloft[:, None]) / 1e9
+    slope = np.linalg.pinv(np.stack([since_s**0, since_s, since_s**2], axis=-1))[:, 1]
+    velocity: Floats = np.einsum("nt,ntc->nc", slope, path.at(time))
+    known = path.unbroken(time[:, -1], aloft) & (time[:, -1] >= strides.liftoff)
     velocity[~known] = np.nan
     return velocity

@@ -4,7 +4,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, Ints, median_of, percentiles_of
+from dogbot_logtool.core.arrays import Ints, median_of, percentiles_of
 from dogbot_logtool.core.clock import (
     FEWEST_INTERVALS,
     GAP_INTERVALS,
@@ -232,15 +232,9 @@ def topic_quality(
 def _offset(log_time: Ints, stamp: Ints) -> tuple[float, float | None]:
     """Median of log time minus stamp, s, and its slope over the stamps' time, ppm."""
     rows = np.flatnonzero(first_at_each_tick(log_time, OFFSET_RATE_HZ))
-    offset, since = (log_time - stamp)[rows], stamp[rows] - stamp[0]
+    offset, since = (log_time - stamp)[rows], (stamp[rows] - stamp[0]) / 1e9
     first = int(offset[0])
-    behind = (offset - first).astype(np.float64)
-    return float(median_of(behind) + first) / 1e9, _slope_ppm(since.astype(np.float64), behind)
-
-
-def _slope_ppm(time: Floats, offset: Floats) -> float | None:
-    """Least-squares slope of an offset over time, both ns; None over too short a time."""
-    if len(time) < 3 or time.max() - time.min() < SHORTEST_DRIFT_S * 1e9:
-        return None
-    centred = time - time.mean()
-    return float((centred * (offset - offset.mean())).sum() / (centred * centred).sum() * 1e6)
+    behind = (offset - first) / 1e9
+    known = len(rows) >= 3 and np.ptp(since) >= SHORTEST_DRIFT_S
+    drift = 1e6 * float(np.polyfit(since, behind, 1)[0]) if known else None
+    return first / 1e9 + float(median_of(behind)), drift

@@ -177,8 +177,6 @@ DEBOUNCE_INTERVALS: Final = 1.5
 """Shorter swings and stances are no longer than one sample."""
 BRIEF: Final = 0.0625
 """Share of a usual swing below which another foot has taken the load for a moment."""
-MOST_DEBOUNCE_S: Final = 10.0
-"""No foot steps more slowly: such intervals are those of stamps gone wrong."""
 
 
 def contact_rule(
@@ -211,7 +209,7 @@ def contact_rule(
         on_n=on,
         off_n=off,
         brief_s=BRIEF * (level.swing_s or 0.0) if given.debounce_s is None else None,
-        debounce_s=min(usual_s, MOST_DEBOUNCE_S) if given.debounce_s is None else given.debounce_s,
+        debounce_s=usual_s if given.debounce_s is None else given.debounce_s,
         origin=given.origin if given.on_n else "estimated" if estimated else "default",
     )
 

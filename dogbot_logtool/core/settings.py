@@ -146,14 +146,9 @@ class WalkSettings:
 
 def are_some_of(leg_positions: Sequence[LegPosition | None]) -> bool:
     """Tell whether a robot with these feet has others, too, by how many there are and by names."""
-    if len(leg_positions) == 1:
-        return True
-    known = {each for each in leg_positions if each}
-    ends, sides = {end for end, _ in known}, {side for _, side in known}
-    if len(known) < len(leg_positions) or not ends <= set(_ENDS) or not sides <= set(_SIDES):
-        return False
-    # A biped's legs may be called middle ones.
-    return not ends <= {"middle"} and len(known) < 2 * len(ends | {"front", "back"})
+    named = {each for each in leg_positions if each and each[0] in _ENDS and each[1] in _SIDES}
+    all_named = 0 < len(named) == len(leg_positions)
+    return len(leg_positions) == 1 or (all_named and legs_in_order(leg_positions) is None)
 
 
 _ENDS: Final = ("front", "middle", "back")

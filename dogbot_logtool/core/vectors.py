@@ -108,9 +108,8 @@ class CommandTrack(NamedTuple):
     """Commanded and measured velocity over time."""
 
     history: VectorHistory
-    axes: str | None
-    """``forward``: a command's x is the robot's forward direction; ``body``: x of the base's frame.
-    None: cannot be told."""
+    axes_known: bool
+    """Whether it can be told which way a command's x points."""
     window_ns: int
     timeout_ns: int
     commanded_s: float
@@ -132,7 +131,7 @@ class CommandTrack(NamedTuple):
 
     def errors(self, axis: int) -> tuple[Number, Number, Number, Number]:
         """Return means of command and measurement, mean and rms of measured less commanded."""
-        if not len(self.time) or (axis < 2 and self.axes is None):
+        if not len(self.time) or (axis < 2 and not self.axes_known):
             return None, None, None, None
         commanded, measured = self.commanded[:, axis], self.measured[:, axis]
         error = measured - commanded

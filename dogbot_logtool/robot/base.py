@@ -118,20 +118,16 @@ def choose_base(
             raise
     moving = [each for each in topics_of(log, "base") if not is_static(each.channels[0])]
     every = [pose for topic in moving for pose in _poses_in(log, robot, topic)]
-    foreign, own = list[str](), list[_Candidate]()
+    likely = [each for each in every if each.rank[0] != _NEVER]
     robots = {_namespace_of(topic) for topic in feet}
     whose = robots.pop() if len(robots) == 1 else ""
-    for each in every:
-        if each.rank[0] != _NEVER:
-            if whose and _namespace_of(each.topic.name) not in {whose, ""}:
-                foreign.append(each.topic.name)
-            else:
-                own.append(each)
-    own = _sorted(own)
+    names = [each.topic.name for each in likely]
+    foreign = [name for name in names if whose and _namespace_of(name) not in {whose, ""}]
+    own = _sorted([each for each in likely if each.topic.name not in foreign])
     if foreign:
         case, say = ((), "plain") if own else (("alone",), "alone")
-        names = listed([each.name for each in own])
-        told = {"topics": listed(foreign), "whose": whose, "own": names}
+        told = {"topics": listed(foreign), "whose": whose}
+        told["own"] = listed([each.name for each in own])
         findings.append(found("POSE_OTHER_ROBOT", *case, where=foreign[0], say=say, **told))
     if not own or own[0].rank[0] != _SURE:
         is_there = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())

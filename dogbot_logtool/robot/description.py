@@ -15,7 +15,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Float32s, Floats, Ints, header_time, median_of
+from dogbot_logtool.core.arrays import Float32s, Floats, Ints, all_finite, header_time, median_of
 from dogbot_logtool.core.frames.kinematics import Joint, LinkTransforms, link_poses
 from dogbot_logtool.core.frames.transforms import FrameTrack, chain_of_frames, lookup
 from dogbot_logtool.core.known_frames import KnownFrames, Point
@@ -173,12 +173,11 @@ def _moved_joints(model: RobotOfUrdf, walk: Walk) -> tuple[Joint, ...]:
 def moved_links(joints: Sequence[Joint], table: JointTable) -> LinkTransforms:
     """Return the links of joint states; those that lack a joint are left out."""
     told = table.samples
-    own = np.full((len(told.log_time), len(joints)), np.nan)
+    own = np.zeros((len(told.log_time), len(joints)))
     for column, joint in enumerate(joints):
-        if joint.measured in table.names:
+        if joint.kind != "fixed":
             own[:, column] = told.position[:, table.names.index(joint.measured)]
-    moving = np.array([joint.kind != "fixed" for joint in joints])
-    rows = np.flatnonzero(np.isfinite(own[:, moving]).all(axis=1))
+    rows = np.flatnonzero(all_finite(own))
     log_time = told.log_time[rows]
     poses = link_poses(joints, own[rows])
     return LinkTransforms(log_time, header_time(told.stamp[rows], log_time), *poses)

@@ -94,33 +94,28 @@ def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
     found: dict[Channel, tuple[int, ...]] = {}
     for topic in dict.fromkeys(foot.topic for foot in robot.feet):
         indices = tuple(index for index, foot in enumerate(robot.feet) if foot.topic == topic)
-        feet, told, because = robot.feet_of(topic), list[Source](), ""
+        feet, where = robot.feet_of(topic), f"{name_of(log.source.path)}: foot"
         for channel in log.channels_by_topic.get(topic, ()):
             try:
                 source = foot_source(channel, feet)
             except DefinitionError as reason:
-                because = str(reason)
+                names = listed([foot.name for foot in feet])
+                raise CallError(f"{where} {names}, {topic}: {reason}") from None
+            if source is None or source.fault:
                 continue
-            if source is not None and not source.fault:
-                told.append(source)
-                found[channel] = indices
-        where = f"{name_of(log.source.path)}: foot"
-        if because and not told:
-            names = listed([foot.name for foot in feet])
-            raise CallError(f"{where} {names}, {topic}: {because}")
-        if told and (same := _same_foot(feet, told)):
-            raise CallError(f"{where} {same}")
+            if same := _same_foot(feet, source):
+                raise CallError(f"{where} {same}")
+            found[channel] = indices
     return found
 
 
-def _same_foot(feet: Sequence[Foot], sources: Sequence[Source]) -> str:
+def _same_foot(feet: Sequence[Foot], source: Source) -> str:
     """Say which feet of a topic would be the same in its messages; empty: all differ."""
-    tells_all = all(each.tells_all_feet for each in sources)
     seen: dict[str | int | None, str] = {}
     for foot in feet:
         own = foot.field.path if foot.field is not None else foot.element
         other = seen.setdefault(own, foot.name)
-        if other != foot.name and not (own is None and tells_all):
+        if other != foot.name and not (own is None and source.tells_all_feet):
             return (
                 f"{foot.name}: {foot.word} would be that of {other}, {foot.name}, and is about one "
                 "foot; each needs a topic or a field of its own"

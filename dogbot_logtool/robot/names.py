@@ -61,10 +61,8 @@ class FootSet(NamedTuple):
     part: Part = Part.UNKNOWN
     words: frozenset[str] = frozenset()
     """Words that describe the leg, without those that name it."""
-    type_name: str = ""
-    """Type of the messages, of fields."""
     reasons: tuple[str, ...] = ()
-    """What speaks for them, of fields."""
+    """What speaks for fields; none for topics."""
 
     @property
     def topics(self) -> frozenset[str]:
@@ -72,9 +70,10 @@ class FootSet(NamedTuple):
         return frozenset(foot.topic for foot in self.feet)
 
     @property
-    def fields(self) -> str:
-        """The feet and their fields, for people."""
-        return ", ".join(f"{foot.name} = {foot.word}" for foot in self.feet)
+    def told(self) -> str:
+        """The feet with their topics and fields, and what speaks for them."""
+        feet = ", ".join(f"{foot.name} = {foot.word}" for foot in self.feet)
+        return f"{feet} ({'; '.join(self.reasons)})" if self.reasons else feet
 
     @property
     def missing(self) -> tuple[str, ...]:

@@ -33,7 +33,6 @@ from dogbot_logtool.robot.topics import (
     has_field,
     names_of,
     offer_finding,
-    readable_source,
     split_topic,
     topics_of,
     unreadable_findings,
@@ -136,11 +135,9 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     findings += of_feet
     if offers:
         findings.append(offer_finding(log, offers, call_of(log, options)))
-    transforms = [
-        channel
-        for channel in sorted(log.channels.values(), key=lambda channel: channel.topic)
-        if channel.type_name in TRANSFORM_TYPES and readable_source(channel, "base")
-    ]
+    frames = [each for each in topics_of(log, "base") if each.source.row.name in TRANSFORM_TYPES]
+    frames.sort(key=lambda each: each.name)
+    transforms = [channel for each in frames for channel in each.channels]
     findings += contact_findings(feet_of, robot)
     findings += unreadable_findings(log, feet_of, poses, transforms)
     return Selection(

@@ -66,38 +66,26 @@ class Topic(NamedTuple):
         return _is_planned(self.source, self.name)
 
 
-def message_count(log: Log, topic: str) -> int:
-    """Return how many messages of a topic the index counts."""
-    return sum(log.counts.get(channel.id, 0) for channel in log.channels_by_topic.get(topic, ()))
-
-
-def readable_source(channel: Channel, part: Part) -> Source | None:
-    """Return how a part of a channel's messages is read; None: it is not told, or faulty."""
-    source = source_of(channel, part)
-    return None if source is None or source.fault else source
-
-
 def topics_of(log: Log, part: Part) -> list[Topic]:
     """Return the topics that tell of a part and can be decoded, the best first.
 
     These are of the better type, then those with the most messages, then with a shorter name.
     """
-    order = types_of(part)
-    found: dict[tuple[int, str], list[tuple[Channel, Source]]] = {}
+    order, own = types_of(part), dict[tuple[str, str], Topic]()
     for channel in log.channels.values():
-        if source := readable_source(channel, part):
-            key = order.index(source.row.name), channel.topic
-            found.setdefault(key, []).append((channel, source))
-    topics = [
-        Topic(name, told[0][1], tuple(c for c, like in told if like.columns == told[0][1].columns))
-        for (_, name), told in found.items()
-    ]
+        source = source_of(channel, part)
+        if source is None or source.fault:
+            continue
+        key = source.row.name, channel.topic
+        topic = own.setdefault(key, Topic(channel.topic, source, ()))
+        if source.columns == topic.source.columns:
+            own[key] = topic._replace(channels=(*topic.channels, channel))
 
     def rank(topic: Topic) -> tuple[int, int, int, str]:
-        better = order.index(topic.source.row.name), -message_count(log, topic.name)
-        return *better, len(topic.name), topic.name
+        count = sum(log.counts.get(channel.id, 0) for channel in topic.channels)
+        return order.index(topic.source.row.name), -count, len(topic.name), topic.name
 
-    return sorted(topics, key=rank)
+    return sorted(own.values(), key=rank)
 
 
 def names_of(log: Log, part: Part) -> list[str]:
@@ -257,8 +245,8 @@ def _rank(name: str, part: Part) -> int:
 # --- what is offered, and what is said -----------------------------------------------------------
 
 
-_ALTERNATIVES: Final = 3
-"""Sets of topics that are offered beside the most likely one."""
+_MOST_OFFERED: Final = 3
+"""Sets of topics or fields that are offered."""
 _MOST_REASONS: Final = 3
 _NOT_USED: Final = "; not used"
 
@@ -276,23 +264,20 @@ def offer_finding(log: Log, sets: Sequence[FootSet], call: str) -> Finding:
         sets: at least one, the most likely first; all of topics, or all of fields.
         call: a call of `stats` without the feet.
     """
-    first, *others = sets
-    call = f"{call} {foot_options(first.feet)}"
-    if not first.type_name:
-        options = " or ".join(foot_options(one.feet) for one in others[:_ALTERNATIVES])
-        which = first.fields + (f"; or {options}" if others else "")
-        return replace(found("FEET_UNSURE", say="topics", which=which, call=call), command=call)
-    told = "; or ".join(f"{o.fields} ({'; '.join(o.reasons)})" for o in sets[:3])
-    if any(foot.leg_position is None for foot in first.feet):
+    feet, reasons = sets[0].feet, sets[0].reasons
+    told = "; or ".join(one.told for one in sets[:_MOST_OFFERED])
+    if any(foot.leg_position is None for foot in feet):
         told += "; which leg each is, they do not say: put front_left, back_right ... for "
-        told += f"{first.feet[0].name} and the others, and gaits have names"
-    file = f"{PurePath(log.words[0]).stem}.toml"
-    draft = shell_joined(["dogbot-logtool", "robots", "new", *log.words, "-o", file])
+        told += f"{feet[0].name} and the others, and gaits have names"
+    say, command = "plain", f"{call} {foot_options(feet)}"
     # What fields are, and of which foot, can only be said in a robot's file.
-    needs_file = any((foot.field and foot.field.kind) or foot.sensor_of for foot in first.feet)
-    say, command = ("draft", draft) if needs_file else ("fields", call)
-    values = {"type": first.type_name, "told": told, "draft": draft, "call": command}
-    return replace(found("FEET_UNSURE", "possible", say=say, **values), command=command)
+    if reasons and any((foot.field and foot.field.kind) or foot.sensor_of for foot in feet):
+        file = f"{PurePath(log.words[0]).stem}.toml"
+        words = ["dogbot-logtool", "robots", "new", *log.words, "-o", file]
+        say, command = "draft", shell_joined(words)
+    cases = ("possible",) if reasons else ()
+    finding = found("FEET_UNSURE", *cases, say=say, told=told, call=command)
+    return replace(finding, command=command)
 
 
 def call_of(log: Log, options: RobotOptions) -> str:

@@ -93,7 +93,7 @@ def _named_sets(log: Log) -> Iterator[FootSet]:
                 continue
             if texts_of(*names, type_name) & (_CONTACT_WORDS | _FORCE_WORDS):
                 reasons.append("of contact or force")
-            yield one._replace(type_name=type_name, reasons=tuple(reasons))
+            yield one._replace(reasons=tuple(reasons))
 
 
 def _sets_of_type(channels: Mapping[str, Channel], type_name: str) -> Iterator[FootSet]:

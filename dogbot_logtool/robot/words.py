@@ -105,17 +105,10 @@ _WHOLE: Final = {
     for limb in ("foot", "hand", "arm")
 }
 """Words of hrpsys's humanoids, which mean something else than their pieces."""
-_SLOTS: Final[Mapping[str, str]] = {
-    **_by_word(
-        {
-            "place": "ball heel in inner inside lateral medial out outer outside toe",
-            "side": "left right",
-            "l or r": "l r",
-        }
-    ),
-    **dict.fromkeys(ENDS, "end"),
-    **dict.fromkeys((*LETTERS, *ROWS), "letters"),
-}
+_SLOTS: Final = frozenset({*ENDS, *SIDES, *LETTERS, *ROWS}) | word_set(
+    "ball heel in inner inside lateral medial out outer outside toe"
+)
+"""Words of a leg, or of a place on a foot."""
 _LONGEST: Final = 300
 """Characters of names that are looked at; nothing that a person named is longer."""
 _LONGEST_WORD: Final = 40
@@ -150,7 +143,7 @@ class Word(NamedTuple):
     @property
     def slot(self) -> str:
         """What kind of a word of a leg, or of a place on a foot, it may be; empty: none."""
-        return "number" if self.text.isdecimal() else _SLOTS.get(self.text, "")
+        return "number" if self.text.isdecimal() else "leg" if self.text in _SLOTS else ""
 
 
 @lru_cache(maxsize=4096)

@@ -62,7 +62,7 @@ def mcaps_with_a_wrong_summary() -> Iterator[Case]:
         moved = data
         for place in mcap.chunk_starts:
             moved = put(moved, moved.rindex(u64(place)), u64(place + shift))
-        what = "the summary contradicts itself or the chunks"
+        what = "the summary is damaged or wrong"
         yield Case(f"offsets {shift}", mcap, resealed(moved, mcap), what)
     _, short = built(two := small_mcap(chunks=2))
     section = short[two.summary_start :]
@@ -87,7 +87,7 @@ def mcaps_with_a_wrong_summary() -> Iterator[Case]:
     )
     yield Case("swapped", log, data, what, tuple(range(12)), either=True, number=0)
     extra = built(small_mcap(), between={1: attachment("notes", b"muddy ground")})
-    yield Case("attachment", *extra, "the summary contradicts itself or the chunks")
+    yield Case("attachment", *extra, "the summary is damaged or wrong")
 
 
 def mcaps_with_damaged_chunks(compression: str) -> Iterator[Case]:

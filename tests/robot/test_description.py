@@ -50,11 +50,6 @@ def test_what_is_no_urdf_is_refused(content: bytes, why: str, tmp_path: Path) ->
         read_urdf(file)
 
 
-def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(CallError, match="no such file"):
-        read_urdf(tmp_path / "none.urdf")
-
-
 def test_a_description_that_cannot_be_decoded_is_none(tmp_path: Path) -> None:
     with (tmp_path / "log.mcap").open("wb") as stream:
         writer = McapWriter(stream)

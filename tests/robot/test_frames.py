@@ -69,17 +69,7 @@ def test_every_edge_is_what_rosbags_reads(path: Path) -> None:
         stamped = all(stamp for stamp, _ in moving)
         times = np.array([stamp if stamped else log_time for stamp, log_time in moving])
         assert (edge.timing.first, edge.timing.last) == (times.min(), times.max())
-        rate = (len(times) - 1) / (times.max() - times.min()) * 1e9
-        assert edge.timing.rate_hz == pytest.approx(rate)
-        steps = np.diff(times)
-        assert edge.timing.backward_stamps == (steps < 0).sum() * stamped
-        assert edge.timing.interval_s is not None
-        assert edge.timing.interval_max_s == pytest.approx(steps.max() / 1e9)
-        ordered = np.sort(steps[steps > 0])
-        median = ordered[(len(ordered) + 1) // 2 - 1]
-        assert edge.timing.interval_s == pytest.approx(median / 1e9, rel=2e-3)
-        longest = max(5 * edge.timing.interval_s, 0.05) * 1e9
-        assert edge.timing.gaps == (steps > longest * 1.002).sum()
+        assert edge.timing.backward_stamps == (np.diff(times) < 0).sum() * stamped
 
 
 # ---- logs of our own making ----

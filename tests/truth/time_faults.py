@@ -103,7 +103,7 @@ def sent_twice(_: int, foot: FootRecording, first: int, count: int) -> FootRecor
 
 
 @of_all
-def reset(sent: Any, at_s: float) -> Any:
-    """Let the simulation's clock start anew: all stamps go back, log times go on."""
-    back = np.where(sent.time < at_s, 0, round(at_s * 1e9))
-    return replace(sent, stamp=sent.stamp - back)
+def clock_set(sent: Any, at_s: float, by_s: float) -> Any:
+    """Let the clock of all stamps be set, as where a simulation starts anew; log times go on."""
+    by = np.where(sent.time < at_s, 0, round(by_s * 1e9))
+    return replace(sent, stamp=sent.stamp + by)

@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
@@ -154,7 +155,6 @@ def dead_reckoned(
     """
     time, seconds = legs.time, np.diff(legs.time) / 1e9
     middle = (time[1:] - time[0]) / 1e9 - seconds / 2.0
-    known = np.isfinite(legs.velocity[:, 0])
     gained = np.zeros_like(legs.velocity)
     if acceleration is not None:
         step = (acceleration[1:] + acceleration[:-1]) / 2.0 * seconds[:, None]
@@ -169,12 +169,9 @@ def dead_reckoned(
     step = rotate(from_roll_pitch_yaw(halfway), velocity) * seconds[:, None]
     position = np.zeros((len(time), 3))
     position[1:] = np.cumsum(step, axis=0)
-    at = np.flatnonzero(known)
-    edges = np.concatenate([[0], at, [len(known)]])
-    begin, end = time[np.minimum(edges[:-1] + 1, len(time) - 1)], time[edges[1:]]
-    begin[0] = time[0]
-    long = end - begin > LONGEST_FLIGHT_S * 1e9
-    return BaseHistory(time, position, angles, np.stack([begin[long], end[long]], axis=1))
+    flights = timespans.spans_where(time, ~np.isfinite(legs.velocity[:, 0]))
+    gaps = flights[flights[:, 1] - flights[:, 0] > LONGEST_FLIGHT_S * 1e9]
+    return BaseHistory(time, position, angles, gaps)
 
 
 def bridged(values: Floats, seconds: Floats) -> Floats:
@@ -253,8 +250,7 @@ def inertial_at(
     reads = float(median_of(norms(gravity)))
     rates, felt = (means(seconds, each, at, SHORT_S) for each in (turn, acceleration))
     if not GRAVITY_IS[0] <= reads <= GRAVITY_IS[1]:
-        flat = level(len(at), gravity_mps2)
-        return Inertial(rates, flat.felt, flat.up, tells_up=False)
+        return level(len(at), gravity_mps2)._replace(turn=rates)
     up = np.stack([np.interp(at, ticks, column) for column in gravity.T], axis=1)
     return Inertial(rates, felt, up / norms(up)[:, None], tells_up=True)
 

@@ -44,10 +44,8 @@ class BaseTrack(NamedTuple):
     """(n,) over the feet, at each pose; NaN where not known."""
     stood: Sequence[Footfalls]
     """Where the feet stand."""
-    standing: Ints
-    """(s, 2) ns, time in which the robot stands."""
     travels: Ints
-    """(t, 2) ns, time in which the base may go somewhere: none, if it never gets away."""
+    """(t, 2) ns, time in which the base may go somewhere: it does not stand, and gets away."""
     block: int
     """Poses whose mean makes one point of the path."""
 
@@ -92,8 +90,8 @@ def base_track(
         step_m = max(float(percentiles_of(moved_m, _PACE_PERCENT)) / apart, noise_m * 1e-3)
         size = (2.0 * noise_m**2 / (_NEGLIGIBLE * step_m**2)) ** (1.0 / 3.0)
         block = int(np.clip(np.ceil(size), 1, max(1.0, a_second)))
-    travels = base.known if goes else timespans.no_spans()
-    return BaseTrack(base, height_m, stood, standing, travels, block)
+    travels = timespans.subtract(base.known, standing) if goes else timespans.no_spans()
+    return BaseTrack(base, height_m, stood, travels, block)
 
 
 def base_motion(
@@ -118,14 +116,12 @@ def base_motion(
     forward_speed, left_speed, yaw_rate = (
         each / duration if duration > 0.0 else None for each in travelled
     )
-    walked = moves & ~timespans.covers(track.standing, base.time[:-1])
-    path = track.path_length_m(walked)
     height = aggregate(track.height_m[rows])
     roll, pitch = roll_and_pitch(base.angles[rows], forward_rad)
     net = base.position[last] - base.position[first]
     return Base(
         duration_s=duration,
-        path_length_m=path,
+        path_length_m=track.path_length_m(moves),
         net_displacement_m=float(np.hypot(net[0], net[1])),
         forward_speed_mps=forward_speed,
         lateral_speed_mps=left_speed,

@@ -29,7 +29,6 @@ from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
-from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition
 
@@ -137,19 +136,10 @@ def by_points(
 
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return when and where a foot rests: once a stance, twice in a stance that is long."""
-    place, stances = footfalls(contact_path(foot), foot.stances).position, foot.stances
-    begin, end, known = stances.touchdown, stances.liftoff, all_finite(place)
-    if known.any():
-        # A stance that the log's start or end cuts is taken to be as long as others.
-        usual = int(median_of((end - begin)[stances.whole if stances.whole.any() else known]))
-        begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
-        end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
-        half = np.where(end - begin > 2 * usual, usual, end - begin) // 2
-        begin, end = begin + half, end - half
-    time, place = np.stack([begin, end], axis=1)[known].ravel(), np.repeat(place[known], 2, axis=0)
-    kept = np.diff(time, prepend=-2) > 1
-    return time[kept], place[kept]
+    """Return when and where a foot rests: in the middle of each whole stance."""
+    stood = footfalls(contact_path(foot), foot.stances)
+    known = all_finite(stood.position) & foot.stances.whole
+    return stood.time[known], stood.position[known]
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:

@@ -34,6 +34,8 @@ from dogbot_logtool.finding import Finding, Words, found
 
 SIDES_APART_M: Final = 0.02
 """m by which a left foot must be to the right of the right one for that to be said."""
+STRAIGHT: Final = 0.9
+"""Net way over path of a base that goes straight."""
 WALKED_M: Final = 0.5
 """m, way to a side from which its direction means something."""
 
@@ -129,7 +131,11 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     if settings.forward_axis_reason:
         yield found("FORWARD_AXIS", where="settings.forward_axis", settings=settings)
     forward, left = base.forward_speed_mps or 0.0, base.lateral_speed_mps or 0.0
-    if abs(left) * (base.duration_s or 0.0) > WALKED_M and abs(left) > 2.0 * abs(forward):
+    # A heading that never turns beside a bend is none.
+    goes = bool(base.yaw_rate_radps)
+    goes |= (base.net_displacement_m or 0.0) >= STRAIGHT * (base.path_length_m or 0.0)
+    goes &= abs(left) * (base.duration_s or 0.0) > WALKED_M
+    if goes and abs(left) > 2.0 * abs(forward):
         where, side = "base.forward_speed_mps", "left" if left > 0.0 else "right"
         words: Words = {"settings": settings, "base": base, "side": side, "speed": abs(left)}
         cases = ("assumed",) if settings.forward_axis_is_assumed else ()

@@ -98,7 +98,7 @@ def followed(walk: Walk) -> Iterator[Finding]:
     track = walk.command_track
     if track is None:
         return
-    if track.axes is None:
+    if not track.axes_known:
         names = ", ".join(track.history.frames)
         frames = f" (their frame is {names})" if names else ""
         yield found("COMMAND_AXES", "unknown", where="commands.axes", frames=frames)

@@ -157,12 +157,10 @@ def samples_left_out(walk: Walk) -> Iterator[Finding]:
             yield found("GAPS", say="no_pose", foot=name, seconds=seconds)
 
 
-FEWEST_DOWN: Final = 1.2
-"""Feet of four or more that must be down on average, unless the robot flies."""
-MOST_FLIGHT: Final = 0.02
 FLIES: Final = 0.05
+"""Share of the time in flight, or with all feet down, from which there is some."""
 SHORT: Final = 0.4
-"""The same below which it is none, with or without flight."""
+"""Usual contact fraction below which no robot walks, with or without flight."""
 STANDS_FROUDE: Final = 1e-3
 WALKS_FROUDE: Final = 0.06
 """Froude numbers between which robots walk and do not run; on the spot they may hop."""
@@ -195,7 +193,7 @@ def flags_inverted(walk: Walk) -> Iterator[Finding]:
     if all_flags and _falls(walk, timespans.intersect([f.record.in_contact for f in walk.feet])):
         why = "the base falls freely when all feet would be down"
     else:
-        why = _why_all_inverted(walk, all_flags=all_flags)
+        why = _why_all_inverted(walk)
     if not why:
         feet = [name for name in _odd_feet(walk) if name in feet][:1]
         why = "its flag is down when those of the other feet are up"
@@ -203,7 +201,7 @@ def flags_inverted(walk: Walk) -> Iterator[Finding]:
         yield found("FLAGS_INVERTED", where="feet", feet=feet, names=", ".join(feet), why=why)
 
 
-def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
+def _why_all_inverted(walk: Walk) -> str:
     """Return why all flags seem to be inverted; empty if they do not.
 
     Flags that are true for most of a stride would be less likely the other way round.
@@ -212,17 +210,14 @@ def _why_all_inverted(walk: Walk, *, all_flags: bool) -> str:
         return "the feet would travel on the ground, and rest in the air"
     if walk.support is None:
         return ""
-    down = np.array(walk.support.feet_down)
-    flight, mean = float(down[0]), float(down @ np.arange(len(down)))
-    if all_flags and len(walk.feet) >= 4 and mean < FEWEST_DOWN and flight < MOST_FLIGHT:
-        return f"{mean:.1f} of {len(walk.feet)} feet would be down on average, without any flight"
+    flight, *_, all_down = walk.support.feet_down
     usual = float(median_of(np.array([foot.record.contact_fraction() for foot in walk.feet])))
     is_short = usual < SHORT or (usual < HALF and flight >= FLIES)
     speed = (walk.base.forward_speed_mps if walk.base else None) or 0.0
     leg_m = LEG_M * (walk.settings.mass_kg or HEAVY_KG) ** (1.0 / 3.0)
     walks = STANDS_FROUDE < speed**2 / (GRAVITY_MPS2 * leg_m) < WALKS_FROUDE
     # The other way round, a robot that has all feet down at times would fly then.
-    hops = float(down[-1]) > FLIES
+    hops = all_down > FLIES
     hops |= _falls(walk, walk.support.in_flight)
     if is_short and walks and not hops and not feet_agree(walk):
         return f"feet would be up so long, {flight:.0%} of the time all at once, at {speed:.2f} m/s"

@@ -315,26 +315,21 @@ def _swinging(
 ) -> Samples:
     """Insert the swings of a foot, of which there are n samples; arguments as in `with_swings`."""
     interval, swings = usual
-    times = np.stack([samples.log_time, samples.stamp])
-    on_stamps = clock is TimeSource.HEADER
+    times, clock_row = np.stack([samples.log_time, samples.stamp]), int(clock is TimeSource.HEADER)
     # Messages that are logged in bursts are late, but for the last of each.
-    delay = times[0] - times[1] if on_stamps else np.zeros(1, np.int64)
+    first = int(times[clock_row, 0] + (times[0] - times[clock_row]).min())
     # The log's ends may cut a swing: the foot is silent from one interval before the log starts.
-    soonest, latest = int(delay.min()), int(delay.max())
-    first = int(times[int(on_stamps), 0]) + soonest
     ahead = 0 if log_start is None else first - log_start + interval
     # Beyond the longest swing it is none; and a stamp of 0 or less would say that there are none.
-    if not 0 <= ahead <= LONGEST_SWING_NS or times[1, 0] <= max(0, ahead - interval):
+    if not 0 <= ahead <= LONGEST_SWING_NS or times[1, 0] <= ahead:
         ahead = 0
     behind = 0 if log_end is None else log_end + interval - int(times[0, -1])
     times = np.concatenate([times[:, :1] - ahead, times, times[:, -1:] + behind], axis=1)
-    time, steps = times[int(on_stamps)], np.diff(times)
+    time, steps = times[clock_row], np.diff(times)
     step = np.diff(time)
-    # The log's start or end may cut a swing; a shorter silence is a lost message even there, or
-    # the delay of the first one.
+    # A shorter silence is a lost message even there, or the delay of the first one.
     lasts_from = np.full(len(step), round(MISSED_INTERVALS * interval))
-    delayed = round(LONGEST_DELAY_S * 1e9) + min(latest - soonest, LONGEST_SWING_NS)
-    lasts_from[0] = max(lasts_from[0], delayed)
+    lasts_from[0] = max(lasts_from[0], round(LONGEST_DELAY_S * 1e9))
     if len(swings):
         shortest = round(_PART_OF_SWING * float(median_of(swings)))
         lasts_from[1:-1] = np.maximum(lasts_from[1:-1], shortest)

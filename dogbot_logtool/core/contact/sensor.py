@@ -20,6 +20,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     all_finite,
     distinct,
+    flagged_runs,
     interpolated,
     latched,
     median_of,
@@ -70,15 +71,11 @@ SURE: Final = 6.0
 """Lead from which that is certain, whatever the weight says."""
 STEPS_UNCLEAR: Final = frozenset({ALTERNATE, WIDE})
 """Reasons of an unknown level with which a load that comes and goes is no sure contact."""
-LIGHTEST: Final = 0.08
-"""Share of the usual load below which the lightest samples may be those of swing."""
 TURNED: Final = "swing and stance look alike, so that either may be the unloaded level"
 AROUND: Final = 9
 """Swings around each moment whose median is the level."""
 _STRAYS: Final = 98.0
 """Percentile of the unloaded forces, against the offset, that stands for the furthest."""
-_LONG_ROWS: Final = 8
-"""Samples in the middle of a visit, from which its ends are surely left out."""
 _DRIFT_S: Final = 30.0
 """Shortest time from the first to the last swing over which a drift is stated."""
 _FEWEST_FOR_DRIFT: Final = 8
@@ -95,8 +92,6 @@ PULLS: Final = 0.1
 MOVED: Final = 0.1
 """Share of the usual load by which a level that was not re-zeroed may change from swing to swing,
 and by which the lightest loads of a few strides may lie off it."""
-MOVED_NOISES: Final = 5.0
-"""The same in standard deviations of the noise."""
 _STRIDES: Final = 4.0
 """Strides of which the lightest loads are compared with the level."""
 _SWINGS_A_STRIDE: Final = 3.0
@@ -256,18 +251,10 @@ def _rests_at_zero(force: Floats) -> bool:
     pulled = (load < -PULL * median_of(load[~zero])) & light
     if pulled.sum() > PULLS * zero.sum():
         return False
-    visit = np.cumsum(light & ~np.concatenate([[False], light[:-1]]))
-    at_zero, visits = (len(distinct(visit[_in_runs(each)])) for each in (zero, light))
-    return 0 < visits <= 2 * at_zero
-
-
-def _in_runs(flags: Flags) -> Flags:
-    """(n,) whether a row is one of at least three flagged ones in a row."""
-    middle = flags[2:] & flags[1:-1] & flags[:-2]
-    within = np.zeros(len(flags), np.bool_)
-    for shift in range(3):
-        within[shift : shift + len(middle)] |= middle
-    return within
+    runs = map(flagged_runs, (light, zero))
+    visits, at_zero = (each[np.diff(each)[:, 0] >= _FEWEST_ROWS] for each in runs)
+    seen = distinct(np.searchsorted(visits[:, 0], at_zero[:, 0], side="right"))
+    return 0 < len(visits) <= 2 * len(seen)
 
 
 def refuted(why: str) -> SensorLevel:
@@ -284,7 +271,7 @@ def _is_steady(level: SensorLevel, log_time: Ints, load: Floats) -> bool:
         load: (n,) N, along the axis of the load, without the offset.
     """
     loaded = level.loaded_n or 0.0
-    limit = max(MOVED * loaded, MOVED_NOISES * (level.noise_n or 0.0), level.wobble_n)
+    limit = max(MOVED * loaded, level.wobble_n)
     if (norms(np.diff(level.offset, axis=0)) > limit).any():
         return False
     window_ns = max(round(_STRIDES * _SWINGS_A_STRIDE * (level.swing_s or 0.0) * 1e9), 1)
@@ -305,7 +292,7 @@ def _unknown(reason: str, force: Floats) -> SensorLevel:
         return level
     noise = _noisiest_sd(np.diff(force, axis=0)) / np.sqrt(2.0)
     lightest = float(percentiles_of(without_spikes(norms(force)), 3.0))
-    comes_and_goes = lightest < max(LIGHTEST * usual, 3.0 * noise)
+    comes_and_goes = lightest < 3.0 * noise
     return replace(level, noise_n=noise, hides_contact=comes_and_goes and reason in STEPS_UNCLEAR)
 
 
@@ -325,9 +312,8 @@ def level_of(modes: Modes, log_time: Ints, force: Floats, axis: Floats) -> Senso
     noise, steps = _noisiest_sd(stray), np.diff(stray, axis=0)[np.diff(rows) == 1]
     if len(steps):
         noise = min(noise, _noisiest_sd(steps) / np.sqrt(2.0))
-    # Swings that last too few samples do not tell how far forces stray.
-    long = modes.rest[np.diff(modes.rest)[:, 0] >= _LONG_ROWS]
-    wobble = percentiles_of(norms(strays(force, long)[0]), _STRAYS) if len(long) else 0.0
+    rest = norms(strays(force, modes.rest)[0])
+    wobble = percentiles_of(rest, _STRAYS) if len(rest) else 0.0
     swing_s = median_of(log_time[last] - log_time[first]) / (MIDDLE_SHARE * 1e9)
     level = SensorLevel(middle, _rolling_median(levels, AROUND))
     load = (force - level.offset_at(log_time)) @ towards
@@ -515,9 +501,4 @@ def _mode(values: Floats, visits: Ints) -> tuple[float, float]:
     """Return level and width, N, of the mode of some visits; each counts once, however long."""
     low, level, high = visit_quantiles(values, visits, 0.1, 0.5, 0.9).T
     between = float(median_of(np.abs(np.diff(level)))) if len(level) > 1 else 0.0
-    # The median of the shortest interval that holds half of the visits.
-    ordered = np.sort(level)
-    half = len(ordered) // 2 + 1
-    first = int((ordered[half - 1 :] - ordered[: len(ordered) - half + 1]).argmin())
-    densest = float(median_of(ordered[first : first + half]))
-    return densest, float(median_of(high - low)) + between
+    return float(median_of(level)), float(median_of(high - low)) + between

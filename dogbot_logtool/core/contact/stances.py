@@ -142,11 +142,10 @@ def contact_travel(
         mean: (k,) N, mean of |F| in each stance.
 
     Returns:
-        (3, k): m, the net travel, and the reach, which is the largest distance from where the point
-        is at 10 %; NaN where no samples with a contact point surround both instants. Then the reach
-        by steps between neighbouring loaded samples; NaN where nothing is known.
+        (2, k): m, the net travel, NaN where no samples with a contact point surround both instants;
+        and the largest distance by steps between loaded neighbours, NaN where nothing is known.
     """
-    found = np.full((3, len(begin)), np.nan)
+    found = np.full((2, len(begin)), np.nan)
     rows, stance, _ = rows_of_runs(np.maximum(begin - 1, 0), end + 1)
     x, y, _ = samples.position.take(rows, axis=0).astype(np.float64, copy=False).T
     point = np.asarray(x + 1j * y)
@@ -161,23 +160,19 @@ def contact_travel(
     if len(of):
         # Stances follow each other on one axis, so that all are interpolated at once.
         axis = 4.0 * stance + np.clip(phase, -1.0, 1.0)
-        origin = np.full(len(begin), np.nan, np.complex128)
-        origin[of], last = (np.interp(4.0 * of + share, axis, point) for share in (0.1, 0.9))
-        found[:2, of] = np.abs(last - origin[of])
-        away = np.abs(point - origin[stance])
-        counts = inside & np.isfinite(away)
-        np.maximum.at(found[1], stance[counts], away[counts])
+        origin, last = (np.interp(4.0 * of + share, axis, point) for share in (0.1, 0.9))
+        found[0, of] = np.abs(last - origin)
     if inside.any():
         rows, stance, point = rows[inside], stance[inside], point[inside]
         first, count = runs_of(stance)
         step = np.diff(point, prepend=point[0])
         loaded = track.force[rows] >= (LOADED * mean)[stance]
-        # A step counts between two loaded rows of one stance.
+        # A step counts between two loaded rows of one stance: a foot may tip that is hardly loaded.
         counts = loaded & np.roll(loaded, 1)
         counts[first] = False
         total = np.cumsum(np.where(counts, step, 0.0))
         away = np.abs(total - np.repeat(total[first], count))
-        found[2, stance[first]] = np.maximum.reduceat(away, first)
+        found[1, stance[first]] = np.maximum.reduceat(away, first)
     return found
 
 
@@ -234,11 +229,9 @@ class StanceFigures(NamedTuple):
     contact_travel_m: Floats
     """m, horizontal distance of the contact points at 10 % and 90 % of the stance."""
     contact_reach_m: Floats
-    """m, largest horizontal distance from the contact point at 10 %, up to 90 % of the stance."""
+    """m, largest horizontal distance from there, by steps between loaded samples."""
     friction_use: Floats
     """95th percentile of tangential over normal force."""
-    loaded_reach_m: Floats
-    """m, the same reach, of steps between loaded samples only: a hardly loaded foot may tip."""
 
 
 class Stances(NamedTuple):
@@ -319,7 +312,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     spike_phase = np.full(len(begin), np.nan)
     spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
-    travel, reach, loaded_reach = contact_travel(samples, track, begin, end, mean)
+    travel, reach = contact_travel(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
@@ -335,7 +328,6 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         contact_travel_m=travel,
         contact_reach_m=reach,
         friction_use=_friction_use(samples, track, rows, stance, on_n),
-        loaded_reach_m=loaded_reach,
     )
     return np.stack(found)
 

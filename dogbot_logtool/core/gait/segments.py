@@ -183,18 +183,16 @@ def _runs(fits: Ints, label: Ints, period: Ints) -> list[_Run]:
     """
     shorter, longer = np.minimum(period[1:], period[:-1]), np.maximum(period[1:], period[:-1])
     cut = (label[1:] != label[:-1]) | (longer > (1.0 + PERIOD_CHANGE) * shorter)
-    brief = LASTING * (1.0 - PERIOD_CHANGE) * float(median_of(period))
     found: list[_Run] = []
     for begin, border in pairwise([0, *(np.flatnonzero(cut) + 1).tolist(), len(label)]):
         # What only drifts from the class at the end of a run is no part of it.
         own = np.flatnonzero(fits[begin:border] == label[begin])
         end = begin + int(own.max(initial=-1)) + 1
-        # One touchdown too many splits a stride into two short ones, which agree with each other.
-        if end - begin < LASTING or period[begin:end].sum() < brief:
+        if end - begin < LASTING:
             continue
         first, last = found[-1] if found else (begin, begin)
-        between = begin - last < LASTING or period[last:begin].sum() < brief
-        if found and between and _alike(label, period, (first, last), (begin, end)):
+        alike = found and _alike(label, period, (first, last), (begin, end))
+        if alike and begin - last < LASTING:
             found[-1] = (first, end)
         else:
             found.append((begin, end))

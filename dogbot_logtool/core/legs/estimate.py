@@ -29,7 +29,7 @@ from dogbot_logtool.core.base.poses import Odometry, base_history
 from dogbot_logtool.core.clock import TimeSource, advancing
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import find_stances, rows_in_stances
-from dogbot_logtool.core.frames.kinematics import Leg, LegMotion, leg_motion
+from dogbot_logtool.core.frames.kinematics import Leg, leg_motion
 from dogbot_logtool.core.legs.ground import (
     FEWEST,
     FeetOnGround,
@@ -103,17 +103,16 @@ def estimate(
     feet = resting_feet(joints, motions, inertial)
     if turns_from == _BY_FEET:
         feet = _turned_by_feet(feet)
-    inertial, points = feet.inertial, feet.points
-    force, why = _forces(joints, motions, points, inertial, mass_kg)
+    force, why = _forces(feet, mass_kg)
     standing = feet.resting
     if not why:
-        vertical = np.einsum("nfi,ni->nf", force, inertial.up)
-        standing = loaded_feet(joints.seconds, vertical, (mass_kg or 0.0) * GRAVITY_MPS2, feet)
+        vertical = np.einsum("nfi,ni->nf", force, feet.inertial.up)
+        standing = loaded_feet(vertical, (mass_kg or 0.0) * GRAVITY_MPS2, feet)
     standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
     moved = feet.odometry(standing)
     if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
         raise ValueError(why_not)
-    base = _poses(joints, feet, standing, moved)
+    base = _poses(feet, standing, moved)
     placed = base
     if len(recording.base.log_time):
         poses = base_history(recording.base, TimeSource.HEADER)
@@ -121,20 +120,20 @@ def estimate(
         placed = replace(base, position=poses.position_at(joints.time), orientation=turned)
     return Estimate(
         feet=tuple(
-            _samples(foot, standing[:, foot], points[:, foot], force[:, foot], placed)
+            _samples(foot, standing[:, foot], feet.points[:, foot], force[:, foot], placed)
             for foot in range(len(legs))
         ),
         base=base,
         contact_from="kinematics" if why else "joint_torques",
         why_no_force=why,
         turns_from=turns_from,
-        tells_up=inertial.tells_up,
+        tells_up=feet.inertial.tells_up,
     )
 
 
 def _turned_by_feet(feet: FeetOnGround) -> FeetOnGround:
     """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
-    seconds, standing = feet.seconds, feet.low()
+    seconds, standing = feet.joints.seconds, feet.low()
     between = (seconds[1:] + seconds[:-1]) / 2.0
     for _ in range(2):
         rates = bridged(feet.turn_by(standing), between)
@@ -203,20 +202,13 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
     return level(len(joints.time), GRAVITY_MPS2), _BY_FEET
 
 
-def _forces(
-    joints: LegJoints,
-    motions: Sequence[LegMotion],
-    points: Floats,
-    inertial: Inertial,
-    mass_kg: float | None,
-) -> tuple[Floats, str]:
+def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
     """Return (n, f, 3) N along the base's axes; zeros, and why, where efforts tell none."""
-    none = np.zeros_like(points)
-    if not (np.isfinite(joints.effort).all() and joints.effort.any()):
+    none, effort = np.zeros_like(feet.points), feet.joints.effort
+    if not (np.isfinite(effort).all() and effort.any()):
         return none, "efforts are empty or zero"
-    efforts = [joints.effort[:, joints.columns(each.leg.measured)] for each in motions]
-    force = ground_forces(joints.seconds, motions, points, efforts, inertial.felt)
-    vertical = np.einsum("nfi,ni->nf", force, inertial.up)
+    force = ground_forces(feet)
+    vertical = np.einsum("nfi,ni->nf", force, feet.inertial.up)
     why = effort_fault(vertical, None if mass_kg is None else mass_kg * GRAVITY_MPS2)
     return (none if why else force), why
 
@@ -226,16 +218,15 @@ def _debounced(time: Ints, standing: Flags) -> Flags:
     return rows_in_stances(begin, end, standing)
 
 
-def _poses(joints: LegJoints, feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
+def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     """Return poses of the base from the origin on, with heading 0 and the height over the feet.
 
     Args:
-        joints: of all legs.
         feet: which rest.
         standing: (n, f) which feet stand.
         moved: how the base moves by them.
     """
-    seconds, inertial = joints.seconds, feet.inertial
+    joints, inertial = feet.joints, feet.inertial
     if inertial.tells_up:
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
         moved = feet.odometry(middles(standing))
@@ -245,8 +236,8 @@ def _poses(joints: LegJoints, feet: FeetOnGround, standing: Flags, moved: LegOdo
     found = dead_reckoned(moved, inertial.roll_pitch, own)
     position = found.position.copy()
     height = np.where(standing, -np.einsum("nfi,ni->nf", feet.points, inertial.up), np.nan)
-    position[:, 2] = bridged(mean_of_known(height)[:, None], seconds)[:, 0]
-    turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, seconds, axis=0)
+    position[:, 2] = bridged(mean_of_known(height)[:, None], joints.seconds)[:, 0]
+    turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, joints.seconds, axis=0)
     return Odometry(joints.log_time, joints.time, position, turned, rate)
 
 

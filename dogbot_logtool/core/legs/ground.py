@@ -145,8 +145,9 @@ EDGE: Final = 0.2
 class FeetOnGround(NamedTuple):
     """Which feet rest on the ground, by how they and the base move."""
 
-    time: Ints
-    """(n,) ns."""
+    joints: LegJoints
+    legs: Sequence[LegMotion]
+    """How each moves with them."""
     inertial: Inertial
     """How the base leans and turns."""
     points: Floats
@@ -159,24 +160,20 @@ class FeetOnGround(NamedTuple):
     agreeing: Flags
     fast: Flags
 
-    @property
-    def seconds(self) -> Floats:
-        """(n,) s since the first."""
-        return np.asarray((self.time - self.time[0]) / 1e9)
-
     def turn_by(self, standing: Flags) -> Floats:
         """(n - 1, 3) rad/s, by feet that stand, about z only; NaN where they do not tell."""
-        return leg_odometry(self.time, self.points, standing).turn_rate
+        return leg_odometry(self.joints.time, self.points, standing).turn_rate
 
     def low(self) -> Flags:
         """(n, f) which feet are so low that they may stand, however the base turns."""
-        lift, usual = _lift(self.seconds, self.points, self.inertial.up)
+        lift, usual = _lift(self.joints.seconds, self.points, self.inertial.up)
         return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
 
     def odometry(self, standing: Flags) -> LegOdometry:
         """Return how the base moves by those of standing feet that agree."""
         sure = standing & self.agreeing
-        return leg_odometry(self.time, self.points, sure, self.inertial.turn, self.velocity)
+        turn = self.inertial.turn
+        return leg_odometry(self.joints.time, self.points, sure, turn, self.velocity)
 
 
 def slopes(seconds: Floats, values: Floats) -> Floats:
@@ -212,13 +209,13 @@ def resting_feet(joints: LegJoints, legs: Sequence[LegMotion], inertial: Inertia
         moved.append(np.einsum("nik,nk->ni", jacobian, rates[:, joints.columns(each.leg.measured)]))
     none = np.zeros((len(joints.time), len(legs)), np.bool_)
     places, velocity = np.stack(points, axis=1), np.stack(moved, axis=1)
-    feet = FeetOnGround(joints.time, inertial, places, velocity, none, none, none)
+    feet = FeetOnGround(joints, legs, inertial, places, velocity, none, none, none)
     return at_rest(feet, feet.low())
 
 
 def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     """Tell anew which feet rest, by (n, f) those that may."""
-    seconds = feet.seconds
+    seconds = feet.joints.seconds
     implied = -(feet.velocity + np.cross(feet.inertial.turn[:, None], feet.points))
     lift, usual = _lift(seconds, feet.points, feet.inertial.up)
     close, top = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M), 0.0
@@ -287,33 +284,15 @@ CARRY: Final = (0.75, 1.33)
 TOO_MUCH: Final = "by the efforts, feet carry"
 
 
-def ground_forces(
-    seconds: Floats,
-    legs: Sequence[LegMotion],
-    points: Floats,
-    efforts: Sequence[Floats],
-    felt: Floats,
-) -> Floats:
-    """Return the ground's force on each foot by the torques of its leg.
-
-    Args:
-        seconds: (n,) s.
-        legs: of each foot.
-        points: (n, f, 3) m, where feet touch the ground, along the base's axes.
-        efforts: (n, k) N m or N of each leg's joints.
-        felt: (n, 3) m/s^2, what an accelerometer on the base reads: gravity, upwards.
-
-    Returns:
-        (n, f, 3) N along the base's axes.
-    """
-    forces = [
-        _force(seconds, leg, points[:, foot], efforts[foot], felt) for foot, leg in enumerate(legs)
-    ]
-    return np.stack(forces, axis=1)
+def ground_forces(feet: FeetOnGround) -> Floats:
+    """(n, f, 3) N along the base's axes, the ground's force on each foot by its leg's torques."""
+    return np.stack([_force(feet, *each) for each in enumerate(feet.legs)], axis=1)
 
 
-def _force(seconds: Floats, leg: LegMotion, point: Floats, effort: Floats, felt: Floats) -> Floats:
+def _force(feet: FeetOnGround, foot: int, leg: LegMotion) -> Floats:
     """(n, 3) N, the force on a foot; moments too where joints tell, which are damped."""
+    seconds, felt, point = feet.joints.seconds, feet.inertial.felt, feet.points[:, foot]
+    effort = feet.joints.effort[:, feet.joints.columns(leg.leg.measured)]
     carried = np.zeros_like(effort)
     for number, mass in enumerate(leg.leg.masses):
         centre = leg.centres[:, number]
@@ -328,16 +307,15 @@ def _force(seconds: Floats, leg: LegMotion, point: Floats, effort: Floats, felt:
     return np.asarray(np.linalg.solve(square, asked[:, :, None])[:, :3, 0])
 
 
-def loaded_feet(seconds: Floats, vertical: Floats, weight_n: float, ground: FeetOnGround) -> Flags:
+def loaded_feet(vertical: Floats, weight_n: float, ground: FeetOnGround) -> Flags:
     """(n, f) which feet carry a load, and rest meanwhile, but for touchdown and lift-off.
 
     Args:
-        seconds: (n,) s.
         vertical: (n, f) N, of the ground on each foot.
         weight_n: N, of the robot.
         ground: what the motion of the feet tells.
     """
-    share = weight_n / vertical.shape[1]
+    share, seconds = weight_n / vertical.shape[1], ground.joints.seconds
     on, off = vertical >= LOADED * share, vertical < UNLOADED * share
     loaded = latched(on & ~ground.fast, off | ground.fast)
     for foot in range(vertical.shape[1]):

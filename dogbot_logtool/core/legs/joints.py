@@ -33,7 +33,7 @@ from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
-from dogbot_logtool.core.recording import MOST_JOINTS, JointTable
+from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.records import Shape
 
 NEAR_LIMIT: Final = 0.02
@@ -155,7 +155,7 @@ def joint_tracks(
             if key not in used:
                 used[key] = usable_rows(table, np.flatnonzero(recorded), clock)
             rows, time = used[key]
-            if len(rows) and name not in found and len(found) < MOST_JOINTS:
+            if len(rows) and name not in found:
                 position, velocity, effort = (
                     each[rows, column].astype(np.float64)
                     for each in (samples.position, samples.velocity, samples.effort)

@@ -5,15 +5,12 @@ Numbers that stand near each other in a message stay together, as rows of a stru
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dogbot_logtool.core.arrays import Bytes, Flags, Floats, Ints, distinct
-
-_ROUNDS: Final = 64
-"""Different strings from which sorting all is faster than taking out one after another."""
 
 
 def gather(buffer: Bytes, start: Ints, size: int) -> NDArray[np.void]:
@@ -64,34 +61,23 @@ class Texts(NamedTuple):
     def encode(self) -> tuple[Ints, tuple[str, ...]]:
         """Replace the strings by numbers; they are compared as bytes.
 
-        Strings on the path are nearly always constant, or take few values, so each round
-        settles all rows that equal the first unsettled one. After some rounds the rest is sorted,
-        since a log may also name every row differently.
-
         Returns:
-            code (n,), and the different strings that the codes count.
+            code (n,), and the different strings that the codes count, in the order of the rows.
         """
-        code = np.full(len(self.start), -1, np.int64)
+        code = np.zeros(len(self.start), np.int64)
         rows: list[int] = []
-        left = np.arange(len(self.start))
-        while len(left) and len(rows) < _ROUNDS:
-            first = left[0]
-            size = int(self.length[first])
-            alike = left[self.length[left] == size]
-            if size:
-                texts = gather_bytes(self.buffer, self.start[alike], size)
-                alike = alike[rows_like(texts, texts[0])]
-            code[alike] = len(rows)
-            rows.append(int(first))
-            left = left[code[left] < 0] if len(alike) < len(left) else left[:0]
-        for size in distinct(self.length[left]).tolist():
-            alike = left[self.length[left] == size]
-            # Texts without a byte are all alike.
-            whole = gather(self.buffer, self.start[alike], size) if size else alike * 0
-            _, first_rows, inverse = np.unique(whole, return_index=True, return_inverse=True)
+        for size in distinct(self.length).tolist():
+            alike = np.flatnonzero(self.length == size)
+            # Most columns hold one string, and those without a byte are all alike.
+            first, inverse = np.zeros(1, np.int64), np.zeros(len(alike), np.int64)
+            texts = gather_bytes(self.buffer, self.start[alike], size) if size else None
+            if texts is not None and not rows_like(texts, texts[0]).all():
+                whole = texts.view(f"V{size}")[:, 0]
+                _, first, inverse = np.unique(whole, return_index=True, return_inverse=True)
             code[alike] = len(rows) + inverse
-            rows.extend(alike[first_rows].tolist())
-        return code, tuple(self.text(row) for row in rows)
+            rows.extend(alike[first].tolist())
+        order = np.argsort(rows)
+        return np.argsort(order)[code], tuple(self.text(rows[number]) for number in order.tolist())
 
 
 def rows_like(rows: Bytes, row: Bytes) -> Flags:

@@ -135,8 +135,6 @@ class _Walk:
         if run.wanted is None:
             return ()
         dtype = run.wanted if self._order == "<" else run.wanted.newbyteorder(">")
-        if not dtype.itemsize:
-            return (np.zeros(len(start), dtype),)
         return (self._gather(start + run.first, dtype.itemsize).view(dtype),)
 
     def _text(self, step: TextStep, cursors: _Cursors) -> Texts:
@@ -159,16 +157,11 @@ class _Walk:
             count = self._counts(cursors, step.alignment)
         else:
             count = np.full(len(cursors.position), step.length, np.int64)
-        if not step.smallest_element:
-            # Elements without a byte hold nothing, and may be said to be any number.
-            self._limit(cursors, count, 1 if step.length is None else 0)
-            parent = start = np.empty(0, np.int64)
-        else:
-            match step.element:
-                case (Run() as run,):
-                    return self._even_elements(run, count, cursors, wanted=wanted)
-            self._limit(cursors, count, step.smallest_element)
-            parent, start = self._element_starts(step.element, count, cursors)
+        match step.element:
+            case (Run() as run,):
+                return self._even_elements(run, count, cursors, wanted=wanted)
+        self._limit(cursors, count, step.smallest_element)
+        parent, start = self._element_starts(step.element, count, cursors)
         last = np.flatnonzero(np.diff(parent, append=-1))
         chosen = slice(None) if wanted else last
         elements = cursors.pick(parent[chosen])

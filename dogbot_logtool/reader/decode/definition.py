@@ -214,13 +214,11 @@ class _TreeBuilder:
         if kind == "NAME":
             return self.struct(str(detail), parents)
         element = self._type(detail[0], parents)  # type: ignore[arg-type]
-        if kind == "SEQUENCE":
-            return VariableArray(element)
-        length = int(detail[1])
-        # Elements of no size are numbered, too.
-        if not 0 <= length * max(smallest_size(element), 1) < _MAX_FIXED_SIZE:
+        length = int(detail[1]) if kind == "ARRAY" else 1
+        # Elements without a byte hold nothing, and may be said to be any number.
+        if not 0 < length * smallest_size(element) < _MAX_FIXED_SIZE:
             raise DefinitionError(f"an array of {length} elements in {parents[-1]} is absurd")
-        return FixedArray(element, length)
+        return FixedArray(element, length) if kind == "ARRAY" else VariableArray(element)
 
     def _base_type(self, name: str) -> Primitive | Text:
         if name == "string":

@@ -128,10 +128,6 @@ class _Compiler:
 
     def _number(self, path: str, dtype: str, length: int | None) -> None:
         size = int(dtype[1:])
-        if length == 0:
-            if self._is_wanted(path):
-                self._leaves.append((path, self._size, f"(0,)<{dtype}"))
-            return
         if self._cdr:
             if self._modulus is None or size > self._modulus:
                 self._close_run()
@@ -158,7 +154,7 @@ class _Compiler:
         )
 
     def _close_run(self) -> None:
-        if self._size or self._leaves:
+        if self._size:
             self._steps.append(Run(self._alignment, self._size, *_fetched(self._leaves)))
         self._leaves, self._size, self._alignment, self._modulus = [], 0, 1, None
 

@@ -10,16 +10,16 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import plausible
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Batch, Channel
-from dogbot_logtool.reader.decode.paths import FieldPath, parse_field_path
+from dogbot_logtool.reader.decode.paths import FieldPath, columns_of, parse_field_path
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels, read_feet
 from dogbot_logtool.reader.messages.gazebo import PairStates, read_pairs
 from dogbot_logtool.reader.messages.message_type import MessageType
-from dogbot_logtool.reader.messages.messages import DecodedMessages, definition_of
+from dogbot_logtool.reader.messages.messages import DecodedMessages, described
 from dogbot_logtool.reader.messages.source import (
     Source,
+    chosen_path,
     decoded_by,
-    first_fitting,
     source_of,
     without_sender,
 )
@@ -46,7 +46,7 @@ def _source_of_words(channel: Channel, fields: tuple[FootField, ...]) -> Source:
     Raises:
         DefinitionError: a field does not exist, or some are forces and others contacts.
     """
-    definition = definition_of(channel)
+    definition, own_because = described(channel)
     paths = {field: parse_field_path(definition, field.path) for field in fields}
     kinds = {_kind(field, path) for field, path in paths.items()}
     if len(kinds) > 1:
@@ -60,8 +60,11 @@ def _source_of_words(channel: Channel, fields: tuple[FootField, ...]) -> Source:
         words=words,
         one_axis=all(path.width == 1 or field.axis for field, path in paths.items()),
     )
-    wanted = {"force" if row.force else "flag": tuple(paths.values())}
-    return first_fitting(channel, [row], "feet", wanted)
+    told = {"force" if row.force else "flag": tuple(paths.values())}
+    if stamp := chosen_path(row.stamp, "time", definition):
+        told["stamp"] = (stamp,)
+    columns = columns_of(path for own in told.values() for path in own)
+    return Source(row, told, columns, own_definition=own_because)
 
 
 def _kind(field: FootField, path: FieldPath) -> str:

@@ -127,27 +127,24 @@ def _source_of(channel: Channel, part: Part) -> Source | None:
     return None if found and found.fault and rows[0].name != channel.type_name else found
 
 
-def first_fitting(
-    channel: Channel, rows: Iterable[MessageType], part: Part, given: Paths | None = None
-) -> Source:
+def first_fitting(channel: Channel, rows: Iterable[MessageType], part: Part) -> Source:
     """Return the first row that fits a channel's definition; if none does, why the first does not.
 
     Args:
         channel: the channel.
         rows: at least one.
         part: what is read of it.
-        given: paths that are fitted already, by field.
     """
     faulty: list[Source] = []
     for row in rows:
         try:
-            return _fitted(row, part, channel, given or {})
+            return _fitted(row, part, channel)
         except DefinitionError as error:
             faulty.append(Source(row, {}, (), fault=str(error)))
     return faulty[0]
 
 
-def _fitted(row: MessageType, part: Part, channel: Channel, given: Paths) -> Source:
+def _fitted(row: MessageType, part: Part, channel: Channel) -> Source:
     """Return a row with the paths that a channel's definition has.
 
     Raises:
@@ -159,10 +156,9 @@ def _fitted(row: MessageType, part: Part, channel: Channel, given: Paths) -> Sou
         del wants["frame"]
     if part == "feet" and row.by_place:
         wants |= {field: WANTS["base"][field] for field in ("position", "orientation")}
-    found = dict(given)
+    found: dict[str, tuple[FieldPath, ...]] = {}
     for field, want in wants.items():
-        texts = () if field in given else row.paths(field)
-        chosen = [_chosen(text, want, definition) for text in texts]
+        chosen = [chosen_path(text, want, definition) for text in row.paths(field)]
         if paths := tuple(path for path in chosen if path is not None):
             found[field] = paths
     declared = [path for paths in found.values() for path in paths]
@@ -173,7 +169,7 @@ def _fitted(row: MessageType, part: Part, channel: Channel, given: Paths) -> Sou
     return Source(row, found, columns_of(declared), own_definition=own_because)
 
 
-def _chosen(text: str, want: Want, definition: Struct) -> FieldPath | None:
+def chosen_path(text: str, want: Want, definition: Struct) -> FieldPath | None:
     """Return the first of some alternatives that a definition has; None: it need not have one.
 
     Raises:

@@ -6,8 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from dogbot_logtool.core.arrays import Floats, Ints, distinct
-from dogbot_logtool.core.base.ground import contact_path, footfalls
-from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.gait.feet import FootSteps
 from dogbot_logtool.core.walk import Walk
 from dogbot_logtool.report.page.chart import (
     MARGIN,
@@ -33,7 +32,7 @@ _AT: Final = "x %{x:.3f} m, y %{y:.3f} m<br>at %{customdata:.3f} s"
 
 def walk_from_above(walk: Walk) -> Drawing | None:
     """Draw the ground; None without odometry and contact points."""
-    prints = [_footprints(foot.record) for foot in walk.feet]
+    prints = [_footprints(foot) for foot in walk.feet]
     has_base = len(walk.base_history.time) > 0
     if not has_base and not any(len(time) for time, _ in prints):
         return None
@@ -126,11 +125,10 @@ def _words(walk: Walk) -> str:
     )
 
 
-def _footprints(foot: FootHistory) -> tuple[Ints, Floats]:
+def _footprints(foot: FootSteps) -> tuple[Ints, Floats]:
     """Return when, (k,) ns, and where, (k, 2) m, a foot stands."""
-    stood = footfalls(contact_path(foot), foot.stances)
-    known = np.isfinite(stood.position[:, 0])
-    return stood.time[known], stood.position[known, :2]
+    known = np.isfinite(foot.stood.position[:, 0])
+    return foot.stood.time[known], foot.stood.position[known, :2]
 
 
 def _caption(prints: Sequence[tuple[Ints, Floats]]) -> str:

@@ -125,9 +125,7 @@ def texts_of(values: list[str]) -> Texts:
 def assert_encodes(values: list[str]) -> None:
     code, names = texts_of(values).encode()
     assert [names[each] for each in code.tolist()] == values
-    assert len(set(names)) == len(names) == len(set(values))
-    if len(names) < 50:
-        assert list(names) == list(dict.fromkeys(values))
+    assert list(names) == list(dict.fromkeys(values))
 
 
 @settings(deadline=None)
@@ -138,5 +136,5 @@ def test_few_different_texts(values: list[str]) -> None:
 
 @settings(deadline=None)
 @given(st.lists(st.integers(0, 400), min_size=300, max_size=600))
-def test_more_different_texts_than_are_taken_out_one_by_one(numbers: list[int]) -> None:
+def test_many_different_texts(numbers: list[int]) -> None:
     assert_encodes(["" if number == 7 else f"frame_{number}" for number in numbers])

@@ -173,6 +173,8 @@ ROOT: Final = "demo/Root"
         (ROOT, "string[-1] x", "ros1msg", "."),
         (ROOT, f"string[{2**31}] x", "ros1msg", "absurd"),
         (ROOT, f"Inner[{2**31}] x\n{SEPARATOR}\nMSG: demo/Inner\n", "ros1msg", "absurd"),
+        (ROOT, f"Inner[] x\n{SEPARATOR}\nMSG: demo/Inner\n", "ros1msg", "absurd"),
+        (ROOT, "float64[0] x", "ros1msg", "absurd"),
         (ROOT, "\n".join(f"uint8[{2**30}] x{n}" for n in range(3)), "ros1msg", "absurd"),
         (ROOT, "#" * 2_000_001, "ros1msg", "2000001 characters"),
         (ROOT, levels(20, "a", "b"), "ros1msg", "fields"),

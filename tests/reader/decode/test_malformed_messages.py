@@ -162,25 +162,3 @@ def test_arrays_of_uneven_elements_have_a_limit(excess: int, sound: bool) -> Non
     decoded = decode_messages(definition.layout("ros1"), [neighbour, message, neighbour])
 
     assert decoded.sound.tolist() == [True, sound, True]
-
-
-def test_an_array_of_empty_messages_cannot_claim_more_elements_than_bytes() -> None:
-    definition = define(1, "Empty[] nothing\nuint8[] rest", Empty="")
-    claims = (2**32 - 1).to_bytes(4, "little") + (1).to_bytes(4, "little") + b"\0"
-
-    decoded = decode_messages(definition.layout("ros1"), [claims])
-
-    assert not decoded.sound.any()
-
-
-@pytest.mark.parametrize("array", ["[20000]", "[2000000000]", "[]"])
-def test_arrays_of_elements_without_a_byte_take_no_time_and_no_memory(array: str) -> None:
-    root = f"Inner{array} x\nEmpty{array} z\nuint8 y"
-    definition = define(1, root, Inner=f"Empty{array} z\nfloat64[0] n", Empty="")
-    counts = (0).to_bytes(8, "little") if array == "[]" else b""
-
-    decoded = decode_messages(definition.layout("ros1"), [counts + b"\x07"] * 1000)
-
-    assert decoded.sound.all()
-    assert decoded.table.numbers("y").tolist() == [7] * 1000
-    assert decoded.table.nested("z").table.rows == 0

@@ -41,6 +41,7 @@ _LARGEST_PADDING: Final = 4096
 _INDEX_RECORD_SIZE: Final = 55
 """Bytes of an index record besides its entries, as every recorder writes it."""
 _INDEX_ENTRY: Final = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4"), ("offset", "<u4")])
+_DAMAGED_INDEX: Final = "the bag's index is damaged; the bag was read without it"
 _NOT_CLOSED: Final = "the bag has no index (its recording was not closed); it was read without it"
 
 
@@ -61,23 +62,27 @@ class BagLog(RecordLog):
         try:
             header = record_in_file(self.source.read, start)
             index_start = header.number("index_pos", 8)
-            if index_start == 0:
-                raise UnusableIndex(Loss(start, _NOT_CLOSED))
-            if not self._holds(index_start, self.source.size, {}):
-                raise MalformedRecord("it is cut off, or holds records of another kind")
-            if self._take_outside():
-                raise MalformedRecord("its connections are damaged or described in two ways")
-            if len(self._stated) != header.number("chunk_count"):
-                raise MalformedRecord("it names another number of chunks than the bag's header")
-            self.channels = self._described_channels()
-            if not self._holds(start, index_start, self._indexed_chunks(index_start)):
-                raise MalformedRecord("it contradicts the chunks")
-            if not self._times_hold():
-                raise MalformedRecord("it tells wrong times")
-        except MalformedRecord as fault:
-            what = f"the bag's index is damaged ({fault}); the bag was read without it"
-            raise UnusableIndex(Loss(start, what)) from fault
+            is_true = index_start > 0 and self._agrees(index_start, header.number("chunk_count"))
+        except MalformedRecord:
+            index_start, is_true = -1, False
+        if not is_true:
+            raise UnusableIndex(Loss(start, _DAMAGED_INDEX if index_start else _NOT_CLOSED))
         self._finish(self._counted())
+
+    def _agrees(self, index_start: int, chunk_count: int) -> bool:
+        """Tell whether the index agrees with itself and with the file.
+
+        Raises:
+            MalformedRecord: a record is damaged.
+        """
+        if not self._holds(index_start, self.source.size, {}) or self._take_outside():
+            return False
+        self.channels = self._described_channels()
+        return (
+            len(self._stated) == chunk_count
+            and self._holds(len(BAG_MAGIC), index_start, self._indexed_chunks(index_start))
+            and self._times_hold()
+        )
 
     def _take_info(self, record: Record) -> None:
         """Take what an index record says of a chunk.
@@ -99,15 +104,11 @@ class BagLog(RecordLog):
         heads = self.source.read_many([(offset, HEAD_SIZE) for offset in offsets])
         chunks: dict[int, Chunk] = {}
         for (offset, end), head in zip(pairwise([*offsets, index_start]), heads, strict=True):
-            try:
-                own = _chunk(offset, record_in_file(self.source.read, offset, head))
-            except MalformedRecord as fault:
-                what = f"the header of the chunk at byte {offset} is damaged: {fault}"
-                raise MalformedRecord(what) from fault
+            own = _chunk(offset, record_in_file(self.source.read, offset, head))
             chunk = own._replace(**self._stated[offset])
             counts = chunk.counts or {}
             if not counts.keys() <= self.channels.keys():
-                raise MalformedRecord("it contradicts the chunks")
+                raise MalformedRecord
             named = _INDEX_RECORD_SIZE * len(counts) + INDEX_ENTRY_SIZE * sum(counts.values())
             # Index records of the usual size need not be looked at.
             is_usual = end - chunk.end == named

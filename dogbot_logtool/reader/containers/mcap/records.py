@@ -28,7 +28,7 @@ from dogbot_logtool.reader.decode.columns import gather
 FOOTER_SIZE: Final = RECORD_HEAD.size + 20
 _DATA_END_SIZE: Final = RECORD_HEAD.size + 4
 _PIECE: Final = 1 << 20
-DAMAGED_SUMMARY: Final = "the summary is damaged; the log was read without it"
+DAMAGED_SUMMARY: Final = "the summary is damaged or wrong; the log was read without it"
 CHUNK_HEAD: Final = struct.Struct("<QQQII")
 """Start time, end time, decompressed size, CRC, and length of the compression's name."""
 _LONGEST_NAME: Final = 16
@@ -321,7 +321,7 @@ def read_footer(source: ByteSource) -> records.Footer:
     opcode, length = RECORD_HEAD.unpack_from(tail)
     footer = decode_record(records.Footer, tail[RECORD_HEAD.size : FOOTER_SIZE])
     if opcode != Opcode.FOOTER or length != FOOTER_SIZE - RECORD_HEAD.size or footer is None:
-        raise UnusableIndex(Loss(offset, "the footer is damaged"))
+        raise UnusableIndex(Loss(offset, DAMAGED_SUMMARY))
     start = footer.summary_start
     crc = _checksum(source, start or offset, offset + FOOTER_SIZE - 4) if footer.summary_crc else 0
     if crc != footer.summary_crc:

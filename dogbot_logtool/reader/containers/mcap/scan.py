@@ -83,8 +83,7 @@ class McapLog(RecordLog):
         if statistics is None or self._without_schema() or not self._is_complete(statistics):
             raise UnusableIndex
         if not self._agrees(footer, statistics):
-            what = "the summary contradicts itself or the chunks; the log was read without it"
-            raise UnusableIndex(Loss(start, what))
+            raise UnusableIndex(Loss(start, DAMAGED_SUMMARY))
         self._finish({**dict.fromkeys(self.channels, 0), **statistics.channel_message_counts})
 
     def _is_complete(self, statistics: records.Statistics) -> bool:
