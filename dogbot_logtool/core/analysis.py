@@ -21,7 +21,12 @@ from dogbot_logtool.core.base.ground import (
 )
 from dogbot_logtool.core.base.motion import base_motion, base_track, fallen_spans, find_tipping
 from dogbot_logtool.core.base.poses import find_jumps, without_jumps
-from dogbot_logtool.core.base.witness import feet_witness, find_frozen, without_frozen
+from dogbot_logtool.core.base.witness import (
+    by_legs,
+    by_points,
+    find_frozen,
+    without_frozen,
+)
 from dogbot_logtool.core.checks.engine import consequence, findings_of
 from dogbot_logtool.core.clock import too_far_apart
 from dogbot_logtool.core.consistency import compare_worlds, long_delay, without_stopped
@@ -96,7 +101,12 @@ def mask_walk(corrected: Corrected) -> Walk:
     period_s = typical_period_s([each.stances for each in corrected.feet])
     # Feet of bipeds are named by their side only.
     positions = [foot.leg_position or ("", foot.name) for foot in settings.feet]
-    witness = feet_witness(corrected.feet, corrected.places, positions, corrected.base)
+    # Places in the base are put into the world by its poses, and jump with them.
+    placed_by_poses = any(path is not None for path in corrected.places)
+    if placed_by_poses:
+        witness = by_legs(corrected.places, corrected.feet, corrected.base)
+    else:
+        witness = by_points(corrected.feet, positions)
     frozen = find_frozen(corrected.base, corrected.feet, witness, period_s)
     recorded = without_frozen(corrected.base, frozen) if len(frozen) else corrected.base
     stand_in = None
@@ -110,8 +120,6 @@ def mask_walk(corrected: Corrected) -> Walk:
         foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
     ]
     records = without_stopped(telling, base)
-    # Places that the poses have put into the world jump with them.
-    placed_by_poses = any(path is not None for path in corrected.places)
     placed = recorded if placed_by_poses else base
     worlds = compare_worlds(records, placed, period_s)
     stood = [

@@ -40,6 +40,7 @@ RESTING_M: Final = 0.02
 RESTING_SHARE: Final = 0.15
 IDLE: Final = 0.02
 """rad or m: joints of no leg that move by less are left out."""
+UNTOLD: Final = "neither transforms nor joint states tell where the foot is"
 UNPLACED: Final = "where the base is among the feet is not known"
 SHORTEST_PATH_M: Final = 0.1
 """m: work is not set against a shorter way."""
@@ -61,10 +62,8 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     apart = too_far_apart(clocks, walk.period_s) & {table.topic for table in walk.recording.joints}
     unplaced = walk.base_clock_is_apart or walk.loses_track or not len(walk.poses.time)
     unplaced |= bool(apart and settings.joints)
-    legs = [
-        _leg(walk, settings, row, path, UNPLACED if unplaced else "")
-        for row, path in enumerate(paths)
-    ]
+    why = UNPLACED if unplaced else ""
+    legs = [_leg(walk, row, path, why) for row, path in enumerate(paths)]
     feet = tuple(_with_leg(walk, settings, row, legs, joints.values()) for row in range(len(legs)))
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
@@ -93,23 +92,17 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     return replace(walk, legs=figures, feet=feet, witness=witness)
 
 
-def _leg(
-    walk: Walk, settings: LegSettings, row: int, path: FootPath | None, unplaced: str
-) -> LegFoot:
+def _leg(walk: Walk, row: int, path: FootPath | None, unplaced: str) -> LegFoot:
     """Return the leg of a foot, and where that stands, and its swings, if its frame rests then.
 
     Args:
         walk: all other figures.
-        settings: sources of the legs.
         row: of the foot.
         path: of the foot in the base's frame; None: not known.
         unplaced: why paths cannot be placed in the world; empty: they can.
     """
-    foot, chain = walk.feet[row], settings.chains[row]
-    too_little = "" if path else "too little of its leg is told"
-    reason = settings.reasons[row] or too_little or unplaced
-    frame = chain.frames[0] if chain and path else ""
-    leg = LegFoot(foot.name, frame, reason, path, {})
+    foot, reason = walk.feet[row], unplaced if path else UNTOLD
+    leg = LegFoot(foot.name, reason, path, {})
     if path is None or reason:
         return leg
     world = path.in_world(walk.poses)

@@ -20,14 +20,9 @@ NEWTONS: Final = {"N": 1.0, "kN": 1e3, "kg": 9.80665, "g": 9.80665e-3, "lbf": 4.
 """Newtons in units of force."""
 
 
-def _is_leg_position(value: object) -> bool:
-    match value:
-        case ["front" | "middle" | "back", "left" | "right" | "centre"]:
-            return True
-    return False
-
-
-_LEG_POSITION: Final = Kind('a pair such as ["front", "left"]', _is_leg_position, tuple)
+_ENDS, _SIDES = ("front", "middle", "back"), ("left", "right", "centre")
+_PAIRS: Final = [[end, side] for end in _ENDS for side in _SIDES]
+_LEG_POSITION: Final = Kind('a pair such as ["front", "left"]', _PAIRS.__contains__, tuple)
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,8 +28,6 @@ from dogbot_logtool.io.toml_table import (
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.foot import Foot, FootField
 
-AXES: Final = ("+x", "-x", "+y", "-y")
-"""Body axes that can point forward."""
 GENERIC: Final = "generic"
 _KNOWN: Final = Path(__file__).with_name("known")
 """Directory of the robots that come with the program."""
@@ -45,7 +43,7 @@ class Robot:
     name: str = toml_field(TEXT, MISSING)
     description: str = toml_field(TEXT, "")
     mass_kg: float | None = toml_field(POSITIVE)
-    forward_axis: str = toml_field(one_of(*AXES), "+x")
+    forward_axis: str = toml_field(one_of("+x", "-x", "+y", "-y"), "+x")
     wrench_frame: str = toml_field(one_of("auto", "world", "link"), "auto")
     """The frame of the recorded wrenches; auto: by evidence."""
     clock: str | None = toml_field(one_of("header", "log"))

@@ -128,8 +128,6 @@ def parse_urdf(text: str) -> ET.Element:
         ValueError: a sentence without a subject: it is no XML with a root `robot`, or declares
             entities, which viewers might fetch.
     """
-    if "\0" in text:
-        raise ValueError("is a binary file, not the XML text of a URDF")
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise ValueError("declares a document type or entities, which is refused")
     try:

@@ -136,11 +136,6 @@ class Word(NamedTuple):
         return self.part in {Part.FOOT, Part.LEG}
 
     @property
-    def is_position(self) -> bool:
-        """Whether it tells at least which side a leg is on."""
-        return self.text in LETTERS or self.text in SIDES
-
-    @property
     def slot(self) -> str:
         """What kind of a word of a leg, or of a place on a foot, it may be; empty: none."""
         return "number" if self.text.isdecimal() else "leg" if self.text in _SLOTS else ""

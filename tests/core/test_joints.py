@@ -22,7 +22,7 @@ def recorded(
     limits: JointLimits = JointLimits(),  # noqa: B008 - frozen
 ) -> JointTrack:
     table = JointTable("/joint_states", ("knee",), given)
-    return joint_tracks([table], TimeSource.HEADER, LegSettings((), (), limits={"knee": limits}))[
+    return joint_tracks([table], TimeSource.HEADER, LegSettings((), limits={"knee": limits}))[
         "knee"
     ]
 
@@ -63,5 +63,5 @@ def test_another_publisher_s_stamps_cost_no_states() -> None:
     unknown = np.full_like(position, np.nan)
     states = JointSamples(log_time, stamp, position, unknown, unknown)
     table = JointTable("/joint_states", ("knee", "wrist"), states)
-    found = joint_tracks([table], TimeSource.HEADER, LegSettings((), ()))
+    found = joint_tracks([table], TimeSource.HEADER, LegSettings(()))
     assert {name: len(each.time) for name, each in found.items()} == {"knee": 100, "wrist": 400}

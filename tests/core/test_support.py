@@ -9,15 +9,7 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.scene.arrows import turn_x_to
-from dogbot_logtool.core.scene.support_scene import (
-    BARELY_STABLE,
-    NO_MARGIN,
-    SAFE_MARGIN_M,
-    STABLE,
-    UNSTABLE,
-    margin_colour,
-    outlines,
-)
+from dogbot_logtool.core.scene.support_scene import outlines
 from dogbot_logtool.core.stability import energy_margin_in, hulls, margin_in
 from tests.oracles.frames import turn_of
 from tests.truth.geometry import hull
@@ -32,13 +24,6 @@ def test_arrows_point_along_their_force_however_near_the_axis(end: float, beside
         assert math.hypot(*quaternion) == pytest.approx(1.0, abs=1e-15)
         assert turn_of(quaternion)[:, 0] == pytest.approx(direction, abs=1e-15)
         assert quaternion[0] == 0.0  # it does not roll
-
-
-def test_colours_of_margins() -> None:
-    margins = np.array([-1.0, 0.0, 1e-12, SAFE_MARGIN_M / 2, SAFE_MARGIN_M, 1.0, np.nan])
-    halfway = [(a + b) / 2 for a, b in zip(BARELY_STABLE, STABLE, strict=True)]
-    wanted = [UNSTABLE, UNSTABLE, BARELY_STABLE, halfway, STABLE, STABLE, NO_MARGIN]
-    np.testing.assert_allclose(margin_colour(margins), wanted, rtol=1e-6)
 
 
 coordinates = st.integers(-3, 3).map(float)
@@ -111,3 +96,8 @@ def test_nothing_outside_and_without_an_area() -> None:
     outside = np.array([[0.5, 0.0, 0.4]])
     assert np.isnan(energy_margin(FEET[None], outside)).all()
     assert np.isnan(energy_margin(FEET[None, :2], BODY[None])).all()
+
+
+def test_beside_a_corner_the_margin_is_the_way_to_it() -> None:
+    square = np.array([[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]])
+    assert margin_in(hulls(square), np.array([[2.0, 2.0]]))[0] == pytest.approx(-np.sqrt(2.0))

@@ -35,7 +35,7 @@ def test_the_user_s_file_is_written_as_it_is(tmp_path: Path) -> None:
         (b"<robot", "is no XML"),
         (b"<sdf/>", "'robot'"),
         (b"\xff\xfe<robot/>", "UTF-8"),
-        (b"\x7fELF\x02\x01\x01\0\0", "is a binary file"),
+        (b"\x7fELF\x02\x01\x01\0\0", "is no XML"),
         (
             b'<!DOCTYPE robot [<!ENTITY a SYSTEM "file:///etc/passwd">]><robot>&a;</robot>',
             "entities",

@@ -140,6 +140,7 @@ class Judged:
 _RESTS_ON: Final = {
     "stance": {"duty factor", "stride period"},
     "propulsion": {"braking"},
+    "size": {"peak force"},
     "energy margin": {"margin"},
     "pressure": {"margin"},
 }
@@ -279,6 +280,8 @@ def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
         ("stance", "swing_s.median", allow.duty * period_s, False),
         ("stride period", "stride_period_s.median", allow.period, True),
         ("stride length", "stride_length_m.mean", allow.length, True),
+        ("size", "peak_force_n.mean", allow.force, True),
+        ("size", "mean_force_n.mean", allow.force + 0.03, True),
         ("peak force", "peak_vertical_force_n.mean", allow.force, True),
         ("peak force", "mean_vertical_force_n.mean", allow.force + 0.03, True),
         ("braking", "braking_impulse_ns.mean", 0.1, True),
@@ -303,6 +306,15 @@ def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
         keys = [f"forces.load_share.{side}" for side in ("fore", "left")]
         yield _numbers(case, found, "load share", keys, pairs, 2.0 * allow.share)
     yield _phases(case, recording, found)
+    if not case.faults:
+        topics = [f"quality.topics.{recording.robot.topic(row)}" for row in range(len(names))]
+        for key, true in (("rate_hz", case.rate_hz), ("gaps", 0.0), ("bad_stamps", 0.0)):
+            keys, rates = [f"{topic}.{key}" for topic in topics], [true] * len(topics)
+            yield _numbers(case, found, "topics", keys, rates, 0.01 * true)
+        pushed = [each.vertical_impulse_ns for each in truth.feet]
+        keys = [f"feet.{foot}.vertical_impulse_ns" for foot in names]
+        if None not in pushed:
+            yield _numbers(case, found, "impulse", keys, pushed, 0.05 * (pushed[0] or 0.0))
     if truth.support is not None:
         keys = [f"gait.support.{count}" for count in truth.support]
         parts = list(truth.support.values())

@@ -191,32 +191,24 @@ def height_over_feet(
         (n,) m, at each pose; NaN before any contact point, and throughout where the contact
         points are in another world than the base, not below it.
     """
-    offset = _base_from_feet(base, feet)
-    known = offset[all_finite(offset), 2:]
-    height, spread = median_of(known, axis=0) if len(known) else (0.0, 0.0)
-    if height < max(LOWEST_M, LOWEST * spread):
-        return np.full(len(base.time), np.nan)
-    normal = _ground_normal(stood, timespans.ALWAYS)
-    if normal is None:
-        return np.asarray(offset[:, 2])
-    # The feet's centre lies higher or lower than the ground below the base.
-    return np.asarray(offset[:, :3] @ (normal / normal[2]))
-
-
-def _base_from_feet(base: BaseHistory, feet: Sequence[FootHistory]) -> Floats:
-    """(n, 4) m: base less the mean of the feet's latest contact points, and their spread."""
     latest = np.full((len(feet), len(base.time), 3), np.nan)
     for row, foot in enumerate(feet):
         time, point = foot.track.contact_points
         newest = np.searchsorted(time, base.time, side="right")
         latest[row] = np.concatenate([np.full((1, 3), np.nan), point]).take(newest, axis=0)
     seen = np.isfinite(latest[:, :, :1])
-    number = np.maximum(seen.sum(axis=0), 1)
-    centre = np.where(seen, latest, 0.0).sum(axis=0) / number
-    centre[~seen.any(axis=0)[:, 0]] = np.nan
-    away = np.hypot(*np.moveaxis((latest - centre)[:, :, :2], 2, 0))
-    spread = np.where(seen[:, :, 0], away, 0.0).max(axis=0, initial=0.0)
-    return np.column_stack([base.position - centre, spread])
+    with np.errstate(invalid="ignore"):
+        centre = np.where(seen, latest, 0.0).sum(axis=0) / seen.sum(axis=0)
+    offset = base.position - centre
+    if not (known := all_finite(offset)).any():
+        return np.asarray(offset[:, 2])
+    away = np.hypot(*np.moveaxis((latest - centre)[:, known, :2], 2, 0))
+    spread = np.fmax.reduce(away, axis=0)
+    if median_of(offset[known, 2]) < max(LOWEST_M, LOWEST * median_of(spread)):
+        return np.full(len(base.time), np.nan)
+    normal = _ground_normal(stood, timespans.ALWAYS)
+    # The feet's centre lies higher or lower than the ground below the base.
+    return np.asarray(offset[:, 2] if normal is None else offset @ (normal / normal[2]))
 
 
 def slope_rad(stood: Sequence[Footfalls], within: Ints) -> float | None:

@@ -59,7 +59,7 @@ class Witness(NamedTuple):
     tells_heading: bool
     """Whether the heading is the robot's own, and not only its changes are known."""
     tells_turn: bool
-    """Whether the heading turns as the feet do; else it is that of the recorded poses."""
+    """Whether the heading turns as the feet do."""
     rests: bool = False
     """Whether no foot's place moves in the body: it stands, or these are no feet's places."""
 
@@ -91,16 +91,13 @@ class Witness(NamedTuple):
 
 
 def by_points(
-    feet: Sequence[FootHistory],
-    positions: Sequence[LegPosition | None],
-    base: BaseHistory,
+    feet: Sequence[FootHistory], positions: Sequence[LegPosition | None]
 ) -> Witness | None:
     """Return the base's motion by contact points in the world.
 
     Args:
         feet: histories of feet whose contact points the recorded poses did not place.
         positions: of each foot on the body.
-        base: recorded poses, whose heading stands in where one foot only is known.
 
     Returns:
         None where no foot's points are known over three footfalls.
@@ -129,8 +126,6 @@ def by_points(
         unturned = flat * np.exp(-1j * angles[:, 2])[:, None]
         heading = _heading(unturned.mean(axis=0), [positions[row] for row in used])
         angles[:, 2] += heading or 0.0
-    elif len(base.time):
-        angles[:, 2] = interpolated(time, base.time, base.angles[:, 2:])[:, 0]
     poses = BaseHistory(time, centre, angles)
     return Witness(poses, POINTS, heading is not None, turns)
 
@@ -199,26 +194,6 @@ def by_legs(
     return Witness(
         dead_reckoned(legs), LEGS, tells_heading=True, tells_turn=tells_turn, rests=rests
     )
-
-
-def feet_witness(
-    feet: Sequence[FootHistory],
-    places: Sequence[FootPath | None],
-    positions: Sequence[LegPosition | None],
-    base: BaseHistory,
-) -> Witness | None:
-    """Return the base's motion by the feet; None where their places are not known.
-
-    Args:
-        feet: histories of all feet.
-        places: of each foot in the base's axes, where its messages tell that; None: they do not,
-            and its contact points, if any, are the world's.
-        positions: of each foot on the body.
-        base: recorded poses.
-    """
-    if any(path is not None for path in places):
-        return by_legs(places, feet, base)
-    return by_points(feet, positions, base)
 
 
 SHORTEST_STRIDES: Final = 1.5

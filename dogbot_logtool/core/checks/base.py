@@ -75,15 +75,12 @@ def poses(walk: Walk) -> Iterator[Finding]:
     record = walk.base_history
     if walk.base is None and (walk.corrected.leaning_rad is not None or len(walk.frozen)):
         return
-    if record.messages and record.not_usable == record.messages:
-        yield found("NOT_FINITE", "base", where="base", say="useless", record=record)
-    elif walk.base is None:
+    if record.not_usable:
+        yield found("NOT_FINITE", "base", where="base", say="poses", record=record)
+    if record.not_advancing:
+        yield found("BAD_STAMPS", where="base", say="poses", record=record)
+    if walk.base is None and not (record.messages and record.not_usable == record.messages):
         yield found("NO_BASE", "few_poses", where="base")
-    else:
-        if record.not_usable:
-            yield found("NOT_FINITE", "base", where="base", say="poses", record=record)
-        if record.not_advancing:
-            yield found("BAD_STAMPS", where="base", say="poses", record=record)
 
 
 def by_feet(walk: Walk) -> Iterator[Finding]:
@@ -183,9 +180,8 @@ def rate(walk: Walk) -> Iterator[Finding]:
     per_stride = period_s / interval_s
     cases = ("rare",) if per_stride < FEWEST_A_STRIDE else ()
     if poses.repeated or cases:
-        say = "plain" if poses.repeated else "rare"
         rates = f"{1.0 / interval_s:.2g} distinct poses a second, {per_stride:.1f} a stride"
-        yield found("POSE_REPEATED", *cases, where="base", say=say, poses=poses, rates=rates)
+        yield found("POSE_REPEATED", *cases, where="base", poses=poses, rates=rates)
 
 
 def pose_jumps(walk: Walk) -> Iterator[Finding]:
@@ -248,8 +244,6 @@ def rest_in_the_air(walk: Walk) -> bool:
 
     Feet of poses that look backwards do so, too, but are down for more than half of the time.
     """
-    if len(walk.frozen):
-        return False
     resting = 0
     for foot, path in zip(walk.feet, walk.corrected.places, strict=True):
         stood, down = foot.stood, foot.record.contact_fraction() or 0.0
@@ -342,17 +336,11 @@ def _planar(walk: Walk, feet: Comparison | None, windows: Ints) -> Iterator[Find
         return
     climb = float(feet.reference.rise.sum()) if feet is not None and feet.by == POINTS else 0.0
     slope = (walk.base and walk.base.slope_rad) or 0.0
-    while_feet = ""
-    if abs(climb) > CLIMBS_M:
-        while_feet = f", while the feet go {climb:+.2f} m up"
-    elif walk.witness is not None and slope > LEAST_SLOPE_RAD:
-        while_feet = f", while the feet's plane leans by {np.degrees(slope):.0f} degrees"
-    elif (lean := _leans_rad(walk, windows)) > LEANS_RAD:
-        while_feet = f", while the accelerometer leans by {np.degrees(lean):.0f} degrees"
-    if while_feet or poses.position[0, 2] == 0.0:
-        cases = ("contradicted",) if while_feet else ()
-        where = "base.climb_m"
-        yield found("POSE_PLANAR", *cases, where=where, say="plain", while_feet=while_feet)
+    leans = walk.witness is not None and slope > LEAST_SLOPE_RAD
+    if abs(climb) > CLIMBS_M or leans or _leans_rad(walk, windows) > LEANS_RAD:
+        yield found("POSE_PLANAR", "contradicted", where="base.climb_m")
+    elif poses.position[0, 2] == 0.0:
+        yield found("POSE_PLANAR", where="base.climb_m")
 
 
 def _leans_rad(walk: Walk, windows: Ints) -> float:
@@ -387,16 +375,15 @@ def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     metres, height = float(rise[-1]), walk.base and walk.base.height_m
     # Where z of one is counted from elsewhere, the height over the feet is not known.
     tall = height.median if height else walk.worlds.spread_m if walk.worlds else np.inf
+    words: Words = {"metres": metres, "told": feet}
     if feet.by == LEGS:
         goes_alike = feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
         if goes_alike and abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
-            words: Words = {"say": "legs", "metres": metres, "told": feet}
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
-    elif feet.by == POINTS and abs(metres) > RISES * tall:
+    elif feet.strides >= FEWEST_STRIDES and abs(metres) > RISES * tall:
         # A robot that crouches, or stretches its legs, does so at once.
         _, steadiness = trend(rise[:, None])
-        if feet.strides >= FEWEST_STRIDES and steadiness >= STEADY:
-            words = {"say": "rises" if metres > 0.0 else "sinks", "metres": abs(metres)}
+        if steadiness >= STEADY:
             yield found("WORLDS_DIFFER", "drifts", where="base.height_m", **words)
 
 

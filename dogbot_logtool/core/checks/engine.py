@@ -153,11 +153,10 @@ def _lacking(walk: Walk) -> dict[KeyPath, Lacks]:
     for row, foot in enumerate(walk.feet):
         own = log | _foot(walk, row)
         lacks |= {("feet", foot.name): own, ("quality", "feet", foot.name): own}
-    tracks = walk.legs.joints if walk.legs else {}
     for name, joint in walk.legs.metrics.joints.items() if walk.legs else ():
         lacks["legs", "joints", name] = log | {
-            "efforts": not tracks[name].has_effort,
-            "limits": not tracks[name].has_limits,
+            "efforts": joint.peak_effort is None,
+            "limits": joint.near_limit_fraction is None,
             "strides": joint.position_over_stride is None,
         }
     for each in walk.corrected.topics:
@@ -169,7 +168,7 @@ def _log(walk: Walk) -> dict[str, bool]:
     feet, legs, stability = walk.feet, walk.legs, walk.stability
     touching = [foot.record for foot in feet if len(foot.record.in_contact)]
     undefined = None if stability is None else stability.undefined_fraction
-    joints = [] if legs is None else [legs.joints[name] for name in legs.metrics.joints]
+    joints = [] if legs is None else legs.metrics.joints.values()
     return {
         "feet": not feet,
         "two feet": len(feet) != 2,
@@ -182,13 +181,13 @@ def _log(walk: Walk) -> dict[str, bool]:
         and any(phase.mean is None for phase in walk.main.gait.phase.values()),
         "base": walk.base is None,
         "points": not any(_has_points(foot) for foot in feet),
-        "foot frame": legs is None or not any(leg.frame for leg in legs.feet),
+        "foot frame": legs is None or not any(leg.path for leg in legs.feet),
         "force": not all(foot.record.has_force for foot in feet),
         "vertical force": not all(map(vertical_is_known, touching)),
         "weight": walk.settings.mass_kg is None,
         "joints": not joints,
-        "efforts": not any(each.has_effort for each in joints),
-        "limits": not any(each.has_limits for each in joints),
+        "efforts": all(each.peak_effort is None for each in joints),
+        "limits": all(each.near_limit_fraction is None for each in joints),
         "commands": walk.command_track is None and walk.base is not None,
         "imu": not walk.settings.imu_topic,
     }
@@ -203,7 +202,7 @@ def _foot(walk: Walk, row: int) -> dict[str, bool]:
         "points": not _has_points(foot),
         "places": walk.base is None and not np.isfinite(foot.length_m).any(),
         "straight": foot.length_from == "base" and not np.isfinite(foot.length_m).any(),
-        "foot frame": legs is None or not legs.feet[row].frame,
+        "foot frame": legs is None or legs.feet[row].path is None,
         "leg rate": legs is not None and legs.feet[row].is_slow,
         "rolling": rolls_unknown,
         "force": not foot.record.has_force,

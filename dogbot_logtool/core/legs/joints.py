@@ -75,8 +75,6 @@ class LegSettings:
 
     chains: tuple[LegChain | None, ...]
     """How each foot hangs on the base; None: not known."""
-    reasons: tuple[str, ...]
-    """Why a foot has no chain; empty where it has one."""
     joints: tuple[kinematics.Joint, ...] = ()
     """Of a robot description, which place the frames of all chains; empty: transforms do."""
     foot_of_joint: Mapping[str, int] = field(default_factory=dict)
@@ -105,9 +103,6 @@ class JointTrack(NamedTuple):
     """Over the whole log; the foot and the gait cycle are not known yet."""
     rate_hz: float
     """Messages over the time without silences."""
-    has_limits: bool
-    has_effort: bool
-    """Whether its effort is told: not zero, and not constant while it moves."""
     reported_squared: float
     """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
     reported_moved: float
@@ -121,6 +116,11 @@ class JointTrack(NamedTuple):
     def range(self) -> float:
         """Highest less lowest position, rad or m."""
         return self.metrics.range_of_motion or 0.0
+
+    @property
+    def has_effort(self) -> bool:
+        """Whether its effort is told: not zero, and not constant while it moves."""
+        return self.metrics.peak_effort is not None
 
     @property
     def moves(self) -> bool:
@@ -224,7 +224,6 @@ def _track(
     has_effort = lowest < highest or (lowest == highest != 0.0 and not moves)
     effort_s = float(step_s[np.isfinite(squared)].sum())
     rms = np.sqrt(np.nansum(squared) / effort_s) if has_effort and effort_s > 0.0 else None
-    has_limits = limits != JointLimits()
     # A joint that never moves does no work, whatever noise its velocity has.
     works = np.stack([positive, absolute]) if moves else np.zeros((2, len(displacement)))
     return JointTrack(
@@ -240,12 +239,12 @@ def _track(
             peak_effort=max(abs(lowest), abs(highest)) if has_effort else None,
             rms_effort=None if rms is None else float(rms),
             absolute_work_j=float(np.nansum(absolute)) if has_effort else None,
-            near_limit_fraction=min(near_s / known_s, 1.0) if has_limits and known_s else None,
+            near_limit_fraction=min(near_s / known_s, 1.0)
+            if limits != JointLimits() and known_s
+            else None,
             position_over_stride=None,
         ),
         rate_hz=len(time) / max(known_s, 1e-9),
-        has_limits=has_limits,
-        has_effort=has_effort,
         reported_squared=float(np.nansum(middle**2 * step_s)),
         reported_moved=float(np.nansum(middle * displacement + 0.0 * step_s)),
     )
@@ -301,8 +300,6 @@ class LegFoot(NamedTuple):
     """The leg of a foot."""
 
     name: str
-    frame: str
-    """Frame of the foot; empty: not known."""
     reason: str
     """Why its swings are not known; empty where they are."""
     path: FootPath | None

@@ -1,7 +1,7 @@
 """Poses of the base, read of messages by any row of the table."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
@@ -81,29 +81,29 @@ def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
 
 def choices(source: Source, messages: DecodedMessages) -> dict[str, tuple[str, ...]]:
     """Return what messages hold poses of: models, links, pairs of frames; with the two frames."""
-    return dict(_names(source, messages.table)[1])
+    return {_name(parts): parts for parts in chosen_names(source, messages.table)[1]}
 
 
-def _names(source: Source, table: Table) -> tuple[Ints, list[tuple[str, tuple[str, ...]]]]:
-    """Return which name each listed pose has, (m,), and the names with their parts."""
-    encoded = [path.texts(table)[1].encode() for path in source.paths["choose"]]
-    code, names = encoded[0]
-    if len(encoded) == 1:
-        return code, [(name, (name,)) for name in names]
-    other, others = encoded[1]
-    different, pair = np.unique(code * max(len(others), 1) + other, return_inverse=True)
-    pairs = [
-        (names[row], others[column])
-        for row, column in (divmod(number, len(others)) for number in different.tolist())
-    ]
-    return pair, [("/".join(frame.lstrip("/") for frame in each), each) for each in pairs]
+def _name(parts: Sequence[str]) -> str:
+    return "/".join(part.lstrip("/") for part in parts)
+
+
+def chosen_names(source: Source, table: Table) -> tuple[Ints, list[tuple[str, ...]]]:
+    """Return which names each listed pose has, (m,), and these: one, or two frames."""
+    (code, names), *others = (path.texts(table)[1].encode() for path in source.paths["choose"])
+    if not others:
+        return code, [(name,) for name in names]
+    ((other, other_names),) = others
+    different, pair = np.unique(code * max(len(other_names), 1) + other, return_inverse=True)
+    rows = (divmod(number, len(other_names)) for number in different.tolist())
+    return pair, [(names[row], other_names[column]) for row, column in rows]
 
 
 def _chosen_poses(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
     """Return the poses of an element, wherever in each message it stands."""
     table, paths, name = messages.table, source.paths, source.paths["choose"][0]
-    code, names = _names(source, table)
-    wanted = [number for number, (each, _) in enumerate(names) if each == element]
+    code, names = chosen_names(source, table)
+    wanted = [number for number, parts in enumerate(names) if _name(parts) == element]
     message_of, _ = name.texts(table)
     named = np.flatnonzero(np.isin(code, wanted))
     rows = paths["position"][0].rows_beside(table, name)[named]
@@ -112,7 +112,7 @@ def _chosen_poses(source: Source, messages: DecodedMessages, element: str) -> Ba
     stamp = paths["stamp"][0].times(table)[rows] if source.has_header else None
     frames = None
     if source.is_transform:
-        sides = zip(*(names[number][1] for number in wanted), strict=True)
+        sides = zip(*(names[number] for number in wanted), strict=True)
         worlds, bases = (tuple(sorted(set(side))) for side in sides) if wanted else ((), ())
         frames = (worlds, bases)
     return _poses(source, messages, message_of[named], values, stamp, frames)
@@ -150,11 +150,10 @@ def _poses(
         frames: worlds and bases; None: those that headers and bodies name.
     """
     turned = source.row.turned
-    orientation = values["orientation"]
-    if len(turned) < len("xyzw"):
-        orientation = from_roll_pitch_yaw(orientation[:, [turned.index(axis) for axis in "xyz"]])
-    elif turned != "xyzw":
-        orientation = orientation[:, [turned.index(axis) for axis in "xyzw"]]
+    axes = "xyz" if len(turned) < len("xyzw") else "xyzw"
+    orientation = values["orientation"][:, [turned.index(axis) for axis in axes]]
+    if axes == "xyz":
+        orientation = from_roll_pitch_yaw(orientation)
     unknown = np.full((len(message), 3), np.nan)
     poses = Odometry(
         log_time=messages.log_time[message],

@@ -80,17 +80,16 @@ def _values_by_element(
     """Yield what n messages tell of each foot, by its element in them."""
     columns = {name: _elements(source, messages, name) for name in _READ if name in source.paths}
     for foot in feet:
-        element = _element(source, foot)
-        known = element is not None and element >= 0
-        yield {name: each[element or 0] for name, each in columns.items()
-               if known and (element or 0) < len(each)}  # fmt: skip
+        at = _element(source, foot)
+        yield {name: each[at] for name, each in columns.items() if 0 <= at < len(each)}
 
 
-def _element(source: Source, foot: Foot) -> int | None:
-    """Return which of the elements is a foot's; None: messages do not tell of it."""
+def _element(source: Source, foot: Foot) -> int:
+    """Return which of the elements is a foot's; -1: messages do not tell of it."""
     if words := source.row.words:
-        return words.index(foot.field.path) if foot.field and foot.field.path in words else None
-    return foot.element if source.tells_all_feet else 0
+        return words.index(foot.field.path) if foot.field and foot.field.path in words else -1
+    element = foot.element if source.tells_all_feet else 0
+    return -1 if element is None else element
 
 
 def _elements(source: Source, messages: DecodedMessages, field: str) -> list[Floats]:
@@ -153,15 +152,12 @@ def _force(row: MessageType, foot: Foot, values: Values) -> Floats | None:
     recorded, field = values.get("force"), foot.field
     if recorded is None or (field is None and row.unit == "N"):
         return recorded
-    if field is not None and recorded.shape[1] > 1 and not field.axis:
-        return field.newtons * recorded
+    scale = field.newtons if field is not None else foot.newtons_per_count or 1.0
     axis = field.axis if field is not None else ""
+    if field is not None and recorded.shape[1] > 1 and not axis:
+        return scale * recorded
     load = recorded[:, "xyz".index(axis[-1]) if axis else 0]
-    load = (-load if axis.startswith("-") else load) - foot.offset
-    if field is not None:
-        load = field.newtons * load
-    elif foot.newtons_per_count is not None:
-        load = foot.newtons_per_count * load
+    load = scale * ((-load if axis.startswith("-") else load) - foot.offset)
     return np.pad(load[:, None], ((0, 0), (2, 0)))
 
 
@@ -191,9 +187,9 @@ def feet_in(source: Source, messages: DecodedMessages) -> Sequence[str]:
         told = all(np.isfinite(each).all(axis=(1, 2)).any() for each in forces)
         return row.legs if told or not row.maybe_without_legs else ()
     _, texts = source.paths["label"][0].texts(table)
-    if row.only is not None:
+    if row.only:
         kind = source.paths["only"][0].all_values(table)[:, 0]
-        texts = texts.pick(np.flatnonzero(kind == row.only[1]))
+        texts = texts.pick(np.flatnonzero(kind == 0))
     return [label for label in sorted(texts.encode()[1])[:MOST_ELEMENTS] if label]
 
 

@@ -65,8 +65,8 @@ class MessageType(NamedTuple):
     """Words for each leg, in place of ``{}``."""
     label: str = ""
     """Name of the foot, beside its values; then the order does not matter."""
-    only: tuple[str, int] | None = None
-    """A number beside the label, and its value for feet; others are hands."""
+    only: str = ""
+    """A number beside the label that is 0 of feet; others are hands."""
     by_place: bool = False
     """Whether the legs are told by where the feet are, seen from the base."""
     maybe_without_legs: bool = False
@@ -134,8 +134,6 @@ class MessageType(NamedTuple):
     def paths(self, field: str) -> tuple[str, ...]:
         """Return the paths of a field, a path a leg where it has ``{}``."""
         value = getattr(self, field)
-        if field == "only":
-            return value[:1] if value else ()
         if isinstance(value, tuple):
             return value
         if "{}" in value:

@@ -15,6 +15,7 @@ from dogbot_logtool.core.recording import (
     plausible,
 )
 from dogbot_logtool.reader.containers.log import Batch, Channel
+from dogbot_logtool.reader.messages.bases import chosen_names
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
 from dogbot_logtool.reader.messages.source import Source, decoded_by, source_of
@@ -149,8 +150,7 @@ def _transforms(
     source: Source, messages: DecodedMessages, *, static: bool
 ) -> tuple[dict[Edge, Transforms], set[str]]:
     table, paths = messages.table, source.paths
-    (message, parents), (_, children) = (path.texts(table) for path in paths["choose"])
-    (parent, parent_names), (child, child_names) = parents.encode(), children.encode()
+    message, _ = paths["choose"][0].texts(table)
     recorded = Transforms(
         channel=messages.channel[message],
         static=np.full(len(message), static),
@@ -160,14 +160,10 @@ def _transforms(
         rotation=paths["orientation"][0].all_values(table),
     )
     whole, _ = plausible(recorded)
-    frames = [name.lstrip("/") for name in (*parent_names, *child_names)]
+    code, pairs = chosen_names(source, table)
     # Names that differ in leading slashes only are those of one frame.
-    number = {name: row for row, name in enumerate(dict.fromkeys(frames))}
-    codes = np.array([number[name] for name in frames], np.int64)
-    pair = codes[parent] * len(number) + codes[len(parent_names) + child]
-    names = list(number)
-    found = {
-        (names[one // len(names)], names[one % len(names)]): picked(whole, rows)
-        for one, rows in rows_by_group(pair)
-    }
-    return found, {name for name in (*parent_names, *child_names) if name.startswith("/")}
+    edges = [(parent.lstrip("/"), child.lstrip("/")) for parent, child in pairs]
+    number = {edge: row for row, edge in enumerate(dict.fromkeys(edges))}
+    edge_of = np.array([number[edge] for edge in edges], np.int64)[code]
+    found = {[*number][one]: picked(whole, rows) for one, rows in rows_by_group(edge_of)}
+    return found, {name for pair in pairs for name in pair if name.startswith("/")}

@@ -141,7 +141,7 @@ def _feet() -> Iterator[Row]:
               orientation="body.pose.orientation")
     # Unknown, 0 or -1, is the default.
     for flag, closed in (("status", (2, 3)), ("contact_state", (0, 2))):
-        yield Row("whole_body_state_msgs/WholeBodyState", **_CONTACTS, only=("contacts[].type", 0),
+        yield Row("whole_body_state_msgs/WholeBodyState", **_CONTACTS, only="contacts[].type",
                   flag=f"contacts[].{flag}", closed=closed, open=(1,),
                   normal="contacts[].surface_normal", axes=_WORLD)
     # Forces are zero without contact.

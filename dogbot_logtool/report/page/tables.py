@@ -137,7 +137,7 @@ def page_tables(walk: Walk) -> dict[str, Table | None]:
     forces, joints = metrics.forces, metrics.legs.joints
     feet = foot_rows(metrics)
     index = {name: row for row, name in enumerate(feet)}
-    legs = feet if walk.legs is not None and any(leg.frame for leg in walk.legs.feet) else {}
+    legs = feet if walk.legs is not None and any(leg.path for leg in walk.legs.feet) else {}
     of_joint = {name: index[each.foot] for name, each in joints.items() if each.foot in index}
     coloured = of_joint if len(of_joint) == len(joints) else {}
     pairs = forces.symmetry_index_percent

@@ -13,7 +13,16 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.robot.names import leg_of, name_feet
 from dogbot_logtool.robot.selection import Selection
 from dogbot_logtool.robot.urdf import RobotOfUrdf
-from dogbot_logtool.robot.words import ENDS, SOLES, Part, parts_of, texts_of, words_of
+from dogbot_logtool.robot.words import (
+    ENDS,
+    LETTERS,
+    SIDES,
+    SOLES,
+    Part,
+    parts_of,
+    texts_of,
+    words_of,
+)
 
 
 def find_legs(
@@ -43,13 +52,9 @@ def find_legs(
     by_frames = not by_joints and any(chains)
     foot_of_joint = _feet_of_joints(feet, [] if by_frames else moved, measured)
     # Joint states that name no joint of a leg leave none out.
-    has_legs = any(name in measured for names in moved for name in names)
+    has_legs = any(map(measured.intersection, moved))
     return LegSettings(
         chains=tuple(chains),
-        reasons=tuple(
-            "" if chain else _why_not(selection, probe, foot, lacking[foot])
-            for foot, chain in enumerate(chains)
-        ),
         joints=() if by_frames else tuple(joints.values()),
         foot_of_joint=foot_of_joint,
         pairs=_pairs(feet, foot_of_joint),
@@ -62,16 +67,6 @@ def _moved(chain: LegChain | None, joints: Mapping[str, Joint]) -> list[str]:
     """Return the recorded joints that move a foot, each once."""
     held = [joints[frame] for frame in (chain.frames if chain else ())]
     return list(dict.fromkeys(joint.measured for joint in held if joint.kind != "fixed"))
-
-
-def _why_not(selection: Selection, probe: KnownFrames, foot: int, lacking: Sequence[str]) -> str:
-    """Say why a foot has no chain."""
-    if lacking:
-        return f"joint states do not tell of {', '.join(lacking)}"
-    link = selection.robot.feet[foot].frame or probe.links[foot]
-    if link is None:
-        return "no frame is known to be its own"
-    return f"nothing connects its frame {link} with {probe.base}"
 
 
 def _feet_of_joints(
@@ -94,7 +89,7 @@ def _pairs(feet: Sequence[Foot], foot_of: Mapping[str, int]) -> dict[str, tuple[
     found: dict[str, dict[str, str]] = {}
     for joint, foot in sorted(foot_of.items()):
         end, side = feet[foot].leg_position or leg_of(feet[foot].name)
-        words = [w.text for w in words_of(joint) if not (w.is_position or w.text in ENDS)]
+        words = [w.text for w in words_of(joint) if w.text not in {*ENDS, *SIDES, *LETTERS}]
         end = end if end in {"front", "back"} or len(feet) > 2 else ""
         found.setdefault("_".join(filter(None, (end, *words))), {})[side] = joint
     return {
