@@ -8,7 +8,7 @@ from typing import Final
 from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth.judging import Case, Tolerance
+from tests.truth.case import Case, Tolerance
 from tests.truth.recording import on
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
