@@ -48,15 +48,12 @@ class RobotOfUrdf(NamedTuple):
     """They make a tree of links."""
     limits: Mapping[str, JointLimits]
     links: Mapping[str, Link]
+    """Those that it tells of."""
 
     @property
     def mass_kg(self) -> float | None:
         """The sum over all links; None where it has none."""
         return sum(link.mass_kg for link in self.links.values()) or None
-
-    def link(self, name: str) -> Link:
-        """Return a link, which a description need not have."""
-        return self.links.get(name, Link())
 
 
 def read_robot(urdf: str) -> RobotOfUrdf:
@@ -333,7 +330,7 @@ def _ends(
 
 def _end(robot: RobotOfUrdf, path: tuple[Joint, ...], posture: Mapping[str, float]) -> _End:
     """Return where a chain of joints ends, if its last link is the foot."""
-    link = robot.link(path[-1].child)
+    link = robot.links.get(path[-1].child, Link())
     leg = Leg(path, point=link.tip, radius_m=link.radius_m)
     motion = leg_motion(leg, np.array([[posture.get(name, 0.0) for name in leg.measured]]))
     moving = [row for row, joint in enumerate(path) if joint.kind != "fixed"]
@@ -398,7 +395,7 @@ def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> 
         hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
         total, moment = 0.0, np.zeros(3)
         for link, place, turn in hanging:  # which grows
-            mass = robot.link(link)
+            mass = robot.links.get(link, Link())
             total += mass.mass_kg
             moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
             for each in below.get(link, ()):
