@@ -245,8 +245,11 @@ def feet_of_messages(log: Log, topic: Topic) -> tuple[Foot, ...]:
     row, columns = topic.source.row, topic.source.columns
     if row.legs and not row.maybe_without_legs:
         return _at_legs(row.legs, topic)
-    first = (each for c in topic.channels for each in first_messages(log, c, columns))
-    seen = [feet_in(topic.source, each) for each in first]
+    seen: list[Sequence[str]] = []
+    for channel in topic.channels:
+        seen += (feet_in(topic.source, each) for each in first_messages(log, channel, columns))
+        if any(seen):
+            break
     if not row.label:
         return _at_legs(max(seen, key=len, default=()), topic)
     # Hands, wheels, tools ... are left out where other labels say that they are feet.

@@ -84,15 +84,14 @@ class FootSet(NamedTuple):
         return tuple("_".join(pair) for pair in pairs if pair not in there)
 
     @property
-    def rank(self) -> tuple[int, int]:
-        """What sorts sets: the part of the leg, then how good its topics are."""
-        return -self.part, -sum(MERITS.get(word, 0) for word in self.words)
+    def merit(self) -> int:
+        """How good its words are for telling a foot's contact."""
+        return sum(MERITS.get(word, 0) for word in self.words)
 
     @property
-    def is_usable(self) -> bool:
-        """Whether it tells of measured forces, and of no other part than a foot."""
-        part, demerit = self.rank
-        return demerit <= -_USABLE and part <= -Part.UNKNOWN
+    def rank(self) -> tuple[int, int]:
+        """What sorts sets, the best first: the part of the leg, then how good its words are."""
+        return -self.part, -self.merit
 
     def is_clear(self, *, contacts_only: bool) -> bool:
         """Tell whether it may be taken for the feet without asking.
@@ -101,7 +100,7 @@ class FootSet(NamedTuple):
             contacts_only: its messages tell of contacts, and of nothing else.
         """
         is_leg, count = self.part >= Part.LEG, len(self.feet)
-        if not self.is_usable:
+        if self.merit < _USABLE or self.part < Part.UNKNOWN:
             return False
         if self.kind in {"rows", "numbers"}:
             return is_leg and count >= _NUMBERED

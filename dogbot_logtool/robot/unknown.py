@@ -207,10 +207,10 @@ def _with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
     if not are_states:
         low, high = percentiles_of(values, _ENDS, axis=0)
         down = values > low + _ON * (high - low)
-        ends = np.sort(percentiles_of(signed, _ENDS, axis=0), axis=0)
-        ends = np.take_along_axis(ends, np.argsort(np.abs(ends), axis=0), axis=0)
-        smaller = ends[0] * np.sign(ends[1]) / np.maximum(np.abs(ends[1]), 1e-9)
-        if (smaller < -_ALIKE).any() or (smaller > _ALIKE).all():
+        low, high = percentiles_of(signed, _ENDS, axis=0)
+        small, large = np.where(np.abs(low) < np.abs(high), (low, high), (high, low))
+        share = small / np.where(large == 0.0, 1.0, large)
+        if (share < -_ALIKE).any() or (share > _ALIKE).all():
             return None
     if not (in_time := tuple(_in_time(down))):
         return None

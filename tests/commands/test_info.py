@@ -67,13 +67,6 @@ def test_a_bag_is_what_rosbags_says() -> None:
     assert describe(TROUBLED, InfoOptions()).compressions == ("bz2",)
 
 
-@pytest.mark.parametrize("width", [40, 80])
-def test_no_line_is_wider_than_the_terminal(width: int) -> None:
-    lines = printed(describe(TROT, InfoOptions()), width).partition("frames\n")[0].splitlines()
-    too_long = [line for line in lines[1:] if len(line) > width]
-    assert [line for line in too_long if len(line.split()) > 1] == [], "only whole names may be"
-
-
 def test_an_empty_log(tmp_path: Path) -> None:
     path = tmp_path / "empty.mcap"
     path.write_bytes(McapBytes([], topics={}).build())

@@ -209,20 +209,16 @@ def test_what_differs(tmp_path: Path, name: str) -> None:
 
 def test_the_verdict_counts(tmp_path: Path) -> None:
     fewer, more, *_ = PAIRS["one fewer"]
-    result = compared(tmp_path, more, fewer)
-    assert counts(result) == (4, 5, 4, 0, 0, 0, 1)
-    assert result.verdict == "different: 1 extra, of 1 topics and 4 messages"
+    assert compared(tmp_path, more, fewer).verdict == (
+        "different: 1 extra, of 1 topics and 4 messages"
+    )
     result = compared(tmp_path, *PAIRS["turned quaternions"][:2])
     assert counts(result) == (1, 1, 0, 1, 0, 0, 0)
     result = compared(tmp_path, *PAIRS["empty"][:2])
-    assert result.verdict == "same: 0 topics, 0 messages"
     assert result.warnings == ("neither file has any messages to compare",)
-    verdict = compared(tmp_path, json_log(*FIVE), Recording({}, [])).verdict
-    assert verdict == "different: 5 missing, 1 described differently, of 1 topics and 5 messages"
     # A description is no message.
     result = compared(tmp_path, *PAIRS["another definition"][:2])
     assert counts(result) == (100, 100, 100, 0, 0, 0, 0)
-    assert [one.described_differently for one in result.tallies if one.name == "/a"] == [1]
     result = compared(tmp_path, *PAIRS["another type and encoding"][:2])
     assert counts(result) == (100, 100, 0, 0, 100, 0, 0)
 

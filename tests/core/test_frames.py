@@ -2,6 +2,7 @@
 
 import string
 from itertools import pairwise
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.frames.kinematics import Joint, link_poses
 from dogbot_logtool.core.frames.transforms import (
     DEEPEST,
     Edge,
@@ -25,6 +27,7 @@ from dogbot_logtool.core.frames.transforms import (
     walk,
 )
 from dogbot_logtool.core.rotations import rotate
+from tests.oracles.frames import turn_of
 from tests.truth.geometry import about_axis
 
 graphs = st.lists(
@@ -187,3 +190,18 @@ def test_huge_numbers_are_no_error() -> None:
     shift = np.full((2, 3), 1e308) * np.array([[1.0], [-1.0]])
     tracks = tracks_of("world", "leg", at(0, 20), at(0, 20), shift, still)
     assert look(tracks, at(10)).known.all()
+
+
+def test_a_prismatic_joint_moves_along_its_axis_and_a_mimic_has_an_offset() -> None:
+    turned = (0.0, 0.0, sin(pi / 6), cos(pi / 6))
+    zero = (0.0, 0.0, 0.0)
+    slides = Joint("j", "a", "b", "prismatic", (1.0, 0.0, 0.0), turned, (2 / 7, 3 / 7, 6 / 7))
+    follows = Joint(
+        "m", "b", "c", "revolute", zero, turned, source="j", multiplier=-2.0, offset=0.5
+    )
+    shift, turn = link_poses([slides, follows], np.array([[0.7, 0.4]]))
+    along = turn_of(turned) @ (2 / 7, 3 / 7, 6 / 7)
+    np.testing.assert_allclose(shift[0, 0], np.array([1.0, 0.0, 0.0]) + 0.7 * along, atol=1e-12)
+    half = (-2.0 * 0.4 + 0.5) / 2.0
+    expected = turn_of(turned) @ turn_of((sin(half), 0.0, 0.0, cos(half)))
+    np.testing.assert_allclose(turn_of(turn[0, 1]), expected, atol=1e-12)

@@ -96,3 +96,8 @@ def test_nothing_outside_and_without_an_area() -> None:
     outside = np.array([[0.5, 0.0, 0.4]])
     assert np.isnan(energy_margin(FEET[None], outside)).all()
     assert np.isnan(energy_margin(FEET[None, :2], BODY[None])).all()
+
+
+def test_beside_a_corner_the_margin_is_the_way_to_it() -> None:
+    square = np.array([[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]])
+    assert margin_in(hulls(square), np.array([[2.0, 2.0]]))[0] == pytest.approx(-np.sqrt(2.0))

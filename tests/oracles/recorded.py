@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -88,22 +89,13 @@ class Decoded:
 @cache
 def decoded_log(path: Path) -> dict[str, list[Decoded]]:
     """Decode a log's messages by topic; those of ROS 1 in the order in which they were sent."""
-    store = get_typestore(Stores.EMPTY)
     topics: dict[str, list[Decoded]] = defaultdict(list)
-    ros1 = path.suffix == ".bag"
-    decode = store.deserialize_ros1 if ros1 else store.deserialize_cdr
-    known: set[str] = set()
-    for recorded in read_log(path):
-        if recorded.type_name not in known:
-            known.add(recorded.type_name)
-            types = get_types_from_msg(recorded.definition, recorded.type_name)
-            store.register({k: v for k, v in types.items() if k not in store.fielddefs})
-        message = decode(recorded.data, recorded.type_name)
-        topics[recorded.topic].append(Decoded(recorded.log_time, message))
-    if ros1:
-        for topic, messages in topics.items():
-            if topic in {ODOMETRY, *map(contact_topic, FEET)}:
-                messages.sort(key=lambda one: one.message.header.seq)
+    with AnyReader([path]) as log:
+        for of, log_time, data in log.messages():
+            topics[of.topic].append(Decoded(log_time, log.deserialize(data, of.msgtype)))
+    if path.suffix == ".bag":
+        for topic in topics.keys() & {ODOMETRY, *map(contact_topic, FEET)}:
+            topics[topic].sort(key=lambda one: one.message.header.seq)
     return dict(topics)
 
 

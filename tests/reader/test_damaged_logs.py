@@ -14,6 +14,8 @@ from tests.reader.cases import AS_LOST, DESCRIBED, MCAP, Case, built, put, u64
 from tests.reader.mcap_bytes import McapBytes, channel, record, resealed, schema, small_mcap
 from tests.reader.reading import Read, read_bytes
 
+LATEST = 2**63 - 1
+
 
 @pytest.mark.parametrize(
     "case",
@@ -35,6 +37,10 @@ def test_a_damaged_log(tmp_path: Path, case: Case) -> None:
     assert case.says in reading.sentences
     if case.number is not None:
         assert reading.lost == (len(case.lost) if case.number == AS_LOST else case.number)
+    spans = [(loss.start_time, loss.end_time) for loss in reading.losses if loss.messages != 0]
+    for number in () if case.either or not spans else case.lost:
+        time_ns = min(sent[number].log_time, LATEST)
+        assert any((start or 0) <= time_ns <= (end or LATEST) for start, end in spans)
     if case.bytes is not None:
         assert sum(loss.bytes for loss in reading.losses) == case.bytes
     if case.whole is not None:

@@ -11,7 +11,7 @@ from upath import UPath
 
 from dogbot_logtool.commands.convert import convert
 from dogbot_logtool.commands.info import describe
-from dogbot_logtool.errors import CallError, LogError, StoreError
+from dogbot_logtool.errors import CallError, StoreError
 from dogbot_logtool.io import storage
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
@@ -143,7 +143,7 @@ def test_a_server_that_sends_whole_files_is_said(
 ) -> None:
     (tmp_path / "x.bag").write_bytes(b"#ROSBAG V2.0\n" + bytes(2 << 20))
     monkeypatch.setattr(Server, "parse_request", _without_range)
-    with pytest.raises(LogError, match="sends more than the parts that are asked for"):
+    with pytest.raises(StoreError, match="sends other parts than are asked for; download the"):
         open_log(storage.location(f"{url}/x.bag"))
 
 

@@ -5,8 +5,8 @@ from math import radians
 
 from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
+from tests.truth.case import Case, Tolerance
 from tests.truth.gaits import Gait
-from tests.truth.judging import Case, Tolerance
 from tests.truth.recording import Disturbance
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
@@ -52,8 +52,8 @@ def hildebrand() -> Iterator[Case]:
     for diagonality in (0.1, 0.4):
         border = Walk(gait=gaits.symmetrical(0.62, diagonality), period_s=0.7, seconds=16.0)
         yield Case(f"noise at the border of two classes, diagonality {diagonality:g}", border,
-                   (FORCE, sensor.noise(6.0)), "", "offset", ROUGH, rate_hz=100.0, events=(),
-                   classes=("pace", "walk", "trot"))
+                   (FORCE, sensor.noise(6.0)), "", "offset", ROUGH, "size", rate_hz=100.0,
+                   events=(), classes=("pace", "walk", "trot"))
 
 
 def asymmetrical() -> Iterator[Case]:

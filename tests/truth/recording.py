@@ -31,8 +31,13 @@ class FootTruth:
     stride_period_s: float | None = None
     stride_length_m: float | None = None
     """Horizontal."""
+    peak_force_n: float | None = None
+    mean_force_n: float | None = None
+    """Of a stance, of the size."""
     peak_vertical_force_n: float | None = None
     mean_vertical_force_n: float | None = None
+    vertical_impulse_ns: float | None = None
+    """Of the whole recording."""
     braking_impulse_ns: float | None = None
     """A stance, against the base's forward axis: above 0; as much is propulsive."""
     slip_m: float | None = None

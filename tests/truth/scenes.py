@@ -252,6 +252,7 @@ def _joined_truth(first: Recording, second: Recording, later: float) -> Truth:
             touchdown_s=(*one.touchdown_s, *(each + later for each in lands)),
             lift_off_s=(*one.lift_off_s, *(each + later for each in leaves)),
             contact_fraction=down_s / whole_s,
+            vertical_impulse_ns=None,
         )
         feet.append(foot)
     ways = [truth.path_length_m for truth in truths]

@@ -8,7 +8,7 @@ from typing import Final
 from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth.judging import Case, Tolerance
+from tests.truth.case import Case, Tolerance
 from tests.truth.recording import on
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
@@ -62,7 +62,7 @@ def noises() -> Iterator[Case]:
     """Noise, spikes, limits."""
     for mass, seed in ((20.0, 0), (20.0, 1), (80.0, 2)):
         yield Case(f"noise 5 N, {mass:g} kg, seed {seed}", Walk(robot=quadruped(mass)),
-                   (FORCE, sensor.noise(5.0, seed)), skip="verdict, braking",
+                   (FORCE, sensor.noise(5.0, seed)), skip="verdict, braking, size",
                    tolerance=Tolerance(event_s=0.04, duty=0.05, contact=0.05, force=0.1))
     yield Case("noise 5 N, 0.5 kg", LIGHT, (FORCE, sensor.noise(5.0)),
                "noise|threshold|modes|unloaded")
@@ -90,7 +90,7 @@ def noises() -> Iterator[Case]:
     # Feet that begin in the air read zero there, and never again.
     six = Walk(gait=gaits.TRIPOD, robot=hexapod(8.0), period_s=1.4, speed_mps=0.05, seconds=12.0)
     yield Case("5 % hysteresis, six feet", six, (FORCE, sensor.hysteresis(0.05)), "SATURATED", "",
-               COARSE, rate_hz=100.0)
+               COARSE, "size", rate_hz=100.0)
     for name, walk in (("trot", Walk(ramp=0.15, traction=0.0)),
                        ("slow walk", Walk(gait=gaits.WALK, period_s=1.2, ramp=0.08, traction=0.0))):
         yield Case(f"flat forces without noise, {name}", walk)
@@ -113,7 +113,7 @@ def light_and_heavy() -> Iterator[Case]:
         ("spikes of -3000 N", sensor.spikes(-3000.0, 2.0), "spike"),
     ):
         yield Case(f"biped of 80 kg, 50 Hz, offset -50 N, {name}", TALL, (*real, fault), says,
-                   f"{LEVEL}|zeros|spike", COARSE, rate_hz=50.0)
+                   f"{LEVEL}|zeros|spike", COARSE, "size" if says == "spike" else "", rate_hz=50.0)
 
 
 def hexapods() -> Iterator[Case]:
@@ -180,7 +180,7 @@ def masses_and_units() -> Iterator[Case]:
         for factor in (0.5, 2.0):
             yield Case(f"one foot reads {factor:g} times its force, {kind}", TROT,
                        (*more, on(sensor.scaled(factor), "front_left")), weight,
-                       skip="" if more else "peak force")
+                       skip="size" if more else "peak force")
     yield Case("bumpers add up four physics steps", TROT, (sensor.scaled(4.0),), "physics steps",
                weight)
 

@@ -26,7 +26,7 @@ from tests.truth.robots import GRAVITY_MPS2, Robot, quadruped
 
 MARGIN_HZ = 50.0
 """The margin is looked at so often; `stats` does so 25 times a second."""
-_PHASES, _HARMONICS = 512, 32
+_MOMENTS, _HARMONICS = 1024, 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,13 +85,12 @@ class Walk:
 
     def peak_vertical_n(self, foot: int) -> float:
         """Highest vertical force of a foot on level ground."""
-        if self.ramp is not None:
-            return self.mean_vertical_n(foot) / (1.0 - self.ramp)
-        q = self.hump
-        amplitude = self.mean_vertical_n(foot) * np.pi / (2.0 + 2.0 * q / 3.0)
-        if q <= 1.0 / 9.0:
-            return float(amplitude * (1.0 - q))
-        return float(amplitude * (2.0 / 3.0) * (1.0 + 3.0 * q) * np.sqrt((1 + 3 * q) / (12 * q)))
+        return float(self.force(foot, self._stride)[:, 2].max())
+
+    @property
+    def _stride(self) -> Floats:
+        """(n,) s, moments of a stride."""
+        return np.arange(_MOMENTS) / _MOMENTS * self.period_s
 
     def cycles(self, foot: int, time: Floats) -> Floats:
         """Strides since the foot's touchdown number 0."""
@@ -121,7 +120,7 @@ class Walk:
         vertical = mean * np.pi / (2.0 + 2.0 * self.hump / 3.0) * curve
         if self.ramp is not None:
             risen = np.clip(np.minimum(s, 1.0 - s) / self.ramp, 0.0, 1.0)
-            vertical = self.peak_vertical_n(foot) * risen
+            vertical = mean / (1.0 - self.ramp) * risen
         along = -self.traction * mean * np.sin(2.0 * np.pi * s)
         up = np.array([0.0, 0.0, 1.0])
         return np.asarray(vertical[:, None] * up + along[:, None] * self._forward(time))
@@ -150,9 +149,8 @@ class Walk:
 
     def _heave(self, time: Floats) -> Floats:
         """(n,) m: each harmonic of the force on a mass moves it by its share over w squared."""
-        phases = np.arange(_PHASES) / _PHASES * self.period_s
-        force = sum(self.force(foot, phases)[:, 2] for foot in range(len(self.robot.feet)))
-        shares = np.fft.rfft(force)[1 : _HARMONICS + 1] * 2.0 / _PHASES / self.robot.mass_kg
+        force = sum(self.force(foot, self._stride)[:, 2] for foot in range(len(self.robot.feet)))
+        shares = np.fft.rfft(force)[1 : _HARMONICS + 1] * 2.0 / _MOMENTS / self.robot.mass_kg
         w = 2.0 * np.pi / self.period_s * np.arange(1, _HARMONICS + 1)
         return np.asarray((np.exp(1j * w * time[:, None]) @ (-shares / w**2)).real)
 
@@ -268,6 +266,8 @@ class Walk:
 
     def _foot_truth(self, foot: int) -> FootTruth:
         duty, phases = self.gait.duty, self.gait.phases
+        size = np.linalg.norm(self.force(foot, self._stride), axis=1)
+        whole = self.force(foot, np.linspace(0.0, self.seconds, _MOMENTS))[:, 2]
         return FootTruth(
             touchdown_s=tuple(self.touchdowns(foot).tolist()),
             lift_off_s=tuple(self.lift_offs(foot).tolist()),
@@ -277,6 +277,9 @@ class Walk:
             duty_factor=duty,
             stride_period_s=self.period_s,
             stride_length_m=self._stride_length_m(foot),
+            peak_force_n=float(size.max()),
+            mean_force_n=float(size.mean()) / duty,
+            vertical_impulse_ns=float(whole.mean()) * self.seconds,
             peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
             mean_vertical_force_n=self.mean_vertical_n(foot),
             braking_impulse_ns=self._level
@@ -297,11 +300,6 @@ class Walk:
         return float(self._level * speed * self.period_s * abs(np.sinc(turn / np.pi)))
 
     def _contact_fraction(self, foot: int) -> float:
-        """Integrate the state over the recording: whole strides and what is left at both ends."""
-        first, last = self.cycles(foot, np.array([0.0, self.seconds]))
-
-        def down_until(cycles: float) -> float:
-            whole = np.floor(cycles)
-            return float(whole * self.gait.duty + min(cycles - whole, self.gait.duty))
-
-        return (down_until(last) - down_until(first)) / float(last - first)
+        """Share of the recording in which a foot is down."""
+        time = np.linspace(0.0, self.seconds, 10_001)
+        return float((self.cycles(foot, time) % 1.0 < self.gait.duty).mean())

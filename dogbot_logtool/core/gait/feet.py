@@ -121,6 +121,7 @@ def foot_steps(
         peak_force_n=np.where(lone, calm_peak_n, figures.peak_force_n),
         peak_vertical_force_n=np.where(lone, calm_vertical_n, figures.peak_vertical_force_n),
     )
+    calm = np.where(lone, np.nan, 0.0)
     stances = stances._replace(figures=figures)
     heading = base.yaw_at(stances.middle) + settings.forward_rad
     # A spike may be as large as all that brakes.
@@ -130,6 +131,8 @@ def foot_steps(
         "stance_s": stances.duration_s,
         "slip_m": slip_m(figures.contact_travel_m, rolling_m),
         "slip_largest_m": slip_m(figures.contact_reach_m, rolling_m),
+        "mean_force_n": figures.mean_force_n + calm,
+        "mean_vertical_force_n": figures.mean_vertical_force_n + calm,
         "braking_impulse_ns": braking,
         "propulsive_impulse_ns": propulsive,
     }

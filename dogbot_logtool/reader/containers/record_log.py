@@ -5,7 +5,7 @@ with an index or without. Chunks that a true index names are stepped over; all o
 """
 
 from abc import abstractmethod
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
@@ -87,8 +87,6 @@ class RecordLog(Log):
         """By offset of the chunk: its `start_time`, `end_time` and `counts` by the log's index."""
         self._outside: list[tuple[int, int]] = []
         """Offset and end of descriptions outside of chunks."""
-        self._cut_off: int | None = None
-        """Offset of the chunk that the end of the file cuts off."""
         self._only_batch: Batch | None = None
 
     @abstractmethod
@@ -221,7 +219,6 @@ class RecordLog(Log):
             if chunk.end > size and not is_plain:
                 # It is cut off, or its length is damaged.
                 end = next_sound(self._format, self.source.read, chunk.data_offset, size)
-            self._cut_off = chunk.offset if chunk.end > size == end else None
         known = chunk._replace(end=end, index_end=end)
         known = known._replace(data_size=min(chunk.data_size, end - chunk.data_offset))
         if not chunk.is_compressed and end < size:
@@ -290,9 +287,7 @@ class RecordLog(Log):
                     raise ChunkDamage("it is a part of a damaged one")
                 self.chunks.append(self._read_chunk(known))
             except ChunkDamage as damage:
-                is_cut = chunk.offset == self._cut_off
-                what = "it is cut off by the end of the file" if is_cut else str(damage)
-                self._losses.append(left_out(known, ChunkDamage(what, damage.messages)))
+                self._losses.append(left_out(known, damage))
 
     def _read_chunk(self, chunk: Chunk) -> Chunk:
         content = self._content(chunk)
@@ -338,6 +333,8 @@ class RecordLog(Log):
         index = self._index_of(stored[chunk.end - chunk.offset :])
         data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
         try:
+            if chunk.end - chunk.data_offset - chunk.data_size > _LARGEST_PADDING:
+                raise ChunkDamage("its lengths contradict each other")
             crc, losses = self._checksum(chunk, stored) if chunk.is_record else (0, ())
             size = decompress_into(target, data, chunk.compression)
             if size < len(target) and (crc or not size):
@@ -411,18 +408,20 @@ class RecordLog(Log):
     # Where and when.
 
     def located(self, loss: Loss) -> Loss:
-        """See `Log.located`. The times are those of its chunk, or of the chunks around it."""
+        """See `Log.located`. The times are by the index, or those of the chunks around."""
         if not loss.offset:
             return loss
-        first, behind = (
-            bisect_left(self.chunks, byte, key=lambda chunk: chunk.offset)
-            for byte in (loss.offset, loss.offset + max(loss.bytes, 1))
-        )
-        if behind > first and self.chunks[first].offset == loss.offset:
-            chunk = self.chunks[first]
-            return loss._replace(start_time=chunk.start_time, end_time=chunk.end_time)
-        before = self.chunks[first - 1].end_time if first else None
-        after = self.chunks[behind].start_time if behind < len(self.chunks) else None
+        chunks, end = self.chunks, loss.offset + max(loss.bytes, 1)
+        first = bisect_right(chunks, loss.offset, key=lambda chunk: chunk.index_end)
+        behind = bisect_left(chunks, end, key=lambda chunk: chunk.offset)
+        if first < behind:
+            own, behind = chunks[first], first + 1
+            if not own.is_scanned:
+                return loss._replace(start_time=own.start_time, end_time=own.end_time)
+            # What is missing at the end of a chunk comes after all that was read of it.
+            first = behind if own.offset < loss.offset and end >= own.end else first
+        before = chunks[first - 1].end_time if first else None
+        after = chunks[behind].start_time if behind < len(chunks) else None
         if before is not None and after is not None:
             before, after = sorted((before, after))
         return loss._replace(start_time=before, end_time=after)

@@ -225,11 +225,6 @@ class RemoteSource(ByteSource):
             for (start, end), answer in zip(runs, found, strict=True):
                 if isinstance(answer, BaseException):
                     raise answer
-                if len(answer) > end - start:
-                    raise LogError(
-                        f"{storage.name_of(url)}: its server sends more than the parts that are "
-                        "asked for; download it first"
-                    )
-                if len(answer) < end - start:
-                    raise OSError("it sends less than was asked for")
+                if len(answer) != end - start:
+                    raise OSError("it sends other parts than are asked for; download the log first")
         return found

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from dogbot_logtool.core.arrays import distinct
+from dogbot_logtool.core.arrays import distinct, rows_by_group
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.recording import plausible
@@ -116,9 +116,9 @@ def _sensor_frames(
 ) -> Mapping[int, set[str]]:
     """Return the frames that the sensors' headers name, by foot."""
     code, names = source.paths["frame"][0].texts(messages.table)[1].encode()
-    pairs = feet.single(messages.channel) * len(names) + code
     frames: dict[int, set[str]] = {}
-    for foot, name in (divmod(pair, len(names)) for pair in distinct(pairs).tolist()):
-        if frame := names[name].lstrip("/"):
-            frames.setdefault(foot, set()).add(frame)
+    for foot, rows in rows_by_group(feet.single(messages.channel)):
+        own = {names[number].lstrip("/") for number in distinct(code[rows]).tolist()} - {""}
+        if own:
+            frames[foot] = own
     return frames
