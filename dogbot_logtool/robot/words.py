@@ -159,11 +159,11 @@ def parts_of(names: Iterable[str]) -> frozenset[Part]:
 
 def _words_of(name: str) -> Iterator[Word]:
     segment = 0
-    for token in re.findall(r"[A-Za-z]+|[0-9]+|/", name):
-        if token == "/":
+    for piece in re.findall(r"[A-Za-z]+|[0-9]+|/", name):
+        if piece == "/":
             segment += 1
             continue
-        for text in _split_letters(token) if token.isalpha() else [token]:
+        for text in _split_letters(piece) if piece.isalpha() else [piece]:
             yield Word(text, segment)
 
 
