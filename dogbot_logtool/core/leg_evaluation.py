@@ -253,7 +253,6 @@ FEWEST_ROWS: Final = 4
 """Rows of the path that its velocity is taken from."""
 SHORTEST_STEP_M: Final = 0.05
 """m: a shorter swing does not tell the direction of walking."""
-SWINGS: Final = ("clearance_m", "swing_length_m", "touchdown_down_mps", "touchdown_along_mps")
 
 
 def swings(
@@ -268,8 +267,8 @@ def swings(
         contact_interval_s: s between its contact samples: touchdowns may be so much earlier.
 
     Returns:
-        (strides,) each of `SWINGS`, NaN where not known; and the height over the stride above the
-        line between the footfalls before and after, m.
+        (strides,) by the name of the metric, NaN where not known; and the height over the stride
+        above the line between the footfalls before and after, m.
     """
     before, after = stood.position[strides.stance], stood.position[strides.stance + 1]
     known = path.unbroken(strides.touchdown, strides.end)
@@ -282,15 +281,13 @@ def swings(
 
     length = np.hypot(*(after - before)[:, :2].T)
     velocity = _approach(path, strides, contact_interval_s)
-    values = (
-        np.where(known, height_from(strides.liftoff).max(axis=1), np.nan),
-        np.where(known, length, np.nan),
-        -velocity[:, 2],
-        np.hypot(velocity[:, 0], velocity[:, 1]),
-    )
-    return dict(zip(SWINGS, values, strict=True)), cycle_curve(
-        height_from(strides.touchdown)[known]
-    )
+    values = {
+        "clearance_m": np.where(known, height_from(strides.liftoff).max(axis=1), np.nan),
+        "swing_length_m": np.where(known, length, np.nan),
+        "touchdown_down_mps": -velocity[:, 2],
+        "touchdown_along_mps": np.hypot(velocity[:, 0], velocity[:, 1]),
+    }
+    return values, cycle_curve(height_from(strides.touchdown)[known])
 
 
 def is_slow(path: FootPath, contact_interval_s: float) -> bool:

@@ -25,9 +25,6 @@ its inverse, and below it, the sum of |F| is in other units."""
 LEANS: Final = 0.006
 """Share by which the sum of |F| exceeds that of vertical forces, from which these lean so much (6
 degrees) that those of legs that swing, in their links' frames, could look alike."""
-CLEARLY: Final = 0.002
-"""Share of the weight by which the vertical sum must be nearer to it than that of |F|: only so
-the vertical is one."""
 ENOUGH: Final = 0.99
 """Share of the loaded time in which the vertical force must be known for totals to be given."""
 CARRIED: Final = 0.05
@@ -136,7 +133,7 @@ class WalkLoads(NamedTuple):
         ratio = self.vertical_impulse_over_weight
         if ratio is None or self.weight_source != "mass":
             return True
-        return abs(magnitude / vertical * ratio - 1.0) < abs(ratio - 1.0) + CLEARLY
+        return abs(magnitude / vertical * ratio - 1.0) < abs(ratio - 1.0)
 
 
 def vertical_is_known(foot: FootHistory) -> bool:

@@ -167,9 +167,7 @@ six does, they are shares of so many times its usual load."""
 ON_NOISES, OFF_NOISES = 5.0, 3.0
 """Thresholds are at least so many standard deviations of the noise."""
 ON_WOBBLES: Final = 1.25
-"""Times the furthest that an unloaded sensor strays, by a leg's inertia."""
-ON_TO_OFF: Final = 0.8
-"""Contact then ends at the furthest itself, or at this share of `on` at most."""
+"""Times the furthest that an unloaded sensor strays, by a leg's inertia; it ends at that itself."""
 MOST_OF_LOAD: Final = 0.5
 """Largest share of the usual load that may be needed to detect contact."""
 HEAVILY_FILTERED: Final = "its forces went through a low-pass filter that hides contact"
@@ -200,7 +198,7 @@ def contact_rule(
     else:
         carried = min(scale, FEET_THAT_CARRY * (level.loaded_n or scale))
         on = max(NOISY_ON * carried, ON_NOISES * noise, ON_WOBBLES * level.wobble_n)
-        off = max(NOISY_OFF * carried, OFF_NOISES * noise, min(level.wobble_n, ON_TO_OFF * on))
+        off = max(NOISY_OFF * carried, OFF_NOISES * noise, level.wobble_n)
     on = given.on_n or max(on, ANY_FORCE_N)
     off = min(given.off_n or off, on)
     usual_s = max(DEBOUNCE_S, DEBOUNCE_INTERVALS * (interval_s or 0.0))

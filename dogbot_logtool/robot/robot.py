@@ -85,10 +85,8 @@ class Robot:
     @property
     def topics(self) -> frozenset[str]:
         """Every topic that the robot's file names."""
-        named = {foot.topic for foot in self.feet}
-        if self.odometry_topic is not None:
-            named.add(self.odometry_topic)
-        return frozenset(named)
+        named = (self.odometry_topic, *(foot.topic for foot in self.feet))
+        return frozenset(filter(None, named))
 
     def feet_of(self, topic: str) -> tuple[Foot, ...]:
         """Return the feet that a topic's messages are about."""

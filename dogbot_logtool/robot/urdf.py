@@ -16,12 +16,7 @@ from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
 
-_KINDS: Final = {
-    "revolute": "revolute",
-    "continuous": "revolute",
-    "prismatic": "prismatic",
-    "fixed": "fixed",
-}
+_KINDS: Final = frozenset({"revolute", "continuous", "prismatic", "fixed"})
 """Joints with one position or none; planar and floating ones have more."""
 _WORLDS: Final = frozenset({"world", "map", "odom"})
 MOST_JOINTS: Final = 400
@@ -53,17 +48,12 @@ class RobotOfUrdf(NamedTuple):
     """They make a tree of links."""
     limits: Mapping[str, JointLimits]
     links: Mapping[str, Link]
-    continuous: frozenset[str]
-    """Joints that turn without an end."""
+    """Those that it tells of."""
 
     @property
     def mass_kg(self) -> float | None:
         """The sum over all links; None where it has none."""
         return sum(link.mass_kg for link in self.links.values()) or None
-
-    def link(self, name: str) -> Link:
-        """Return a link, which a description need not have."""
-        return self.links.get(name, Link())
 
 
 def read_robot(urdf: str) -> RobotOfUrdf:
@@ -83,13 +73,11 @@ def read_robot(urdf: str) -> RobotOfUrdf:
     if loops(edges) or len({child for _, child in edges}) < len(edges):
         raise ValueError("has links in a circle, or with two parents")
     links = {each.get("name", "").lstrip("/"): _link(each) for each in root.iterfind("link")}
-    endless = (each.get("name", "") for each in elements if each.get("type") == "continuous")
     return RobotOfUrdf(
         base=_base(joints, links),
         joints=joints,
         limits={each.get("name", ""): own for each in elements if (own := _limits(each))},
         links=links,
-        continuous=frozenset(endless),
     )
 
 
@@ -145,7 +133,7 @@ def _joint(element: ET.Element) -> Joint:
     Raises:
         ValueError: it has not two links, no axis, or a number that cannot be used.
     """
-    name, kind = element.get("name", ""), _KINDS[element.get("type", "")]
+    name, kind = element.get("name", ""), element.get("type", "")
     parent, child = (_text(element, end, "link").lstrip("/") for end in ("parent", "child"))
     try:
         axis = _triple(element, "axis", "xyz", "1 0 0")
@@ -258,7 +246,7 @@ def legs_of_robot(
         forward_axis: of the base; None: told by the names of the legs, else +x.
 
     Raises:
-        ValueError: it has none that can be used; the sentence goes on from its description.
+        ValueError: a sentence: it has none that can be used.
     """
     below = joints_below(robot.joints)
     ends = _ends(robot, below, posture)
@@ -266,13 +254,15 @@ def legs_of_robot(
     feet = _lowest([end for end in ends if not end.is_wheel])[:_MOST_LEGS]
     if not feet:
         what = f"legs that end in wheels, {', '.join(wheels)}, and " if wheels else ""
-        raise ValueError(f"has {what}no two legs: chains of joints that end below the base")
+        what = f"has {what}no two legs: chains of joints that end below the base"
+        raise ValueError(f"the robot description {what}")
     if unclear := [end.leg.foot for end in feet if end.is_joint]:
-        text = f"does not say where the feet of {', '.join(unclear)} are: no link hangs there"
-        raise ValueError(f"{text}, and they have no ball")
+        text = f"where the feet of {', '.join(unclear)} are: no link hangs there"
+        raise ValueError(f"the robot description does not say {text}, and they have no ball")
     along = np.mean([end.place - end.hip for end in feet], axis=0)
     if np.hypot(along[0], along[1]) > abs(along[2]):
-        raise ValueError(f"has a base, {robot.base}, whose z axis is not up: legs go sideways")
+        text = f"has a base, {robot.base}, whose z axis is not up: legs go sideways"
+        raise ValueError(f"the robot description {text}")
     places = np.array([end.place for end in feet])
     axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
     turn = FORWARD_ANGLES[axis]
@@ -340,17 +330,17 @@ def _ends(
 
 def _end(robot: RobotOfUrdf, path: tuple[Joint, ...], posture: Mapping[str, float]) -> _End:
     """Return where a chain of joints ends, if its last link is the foot."""
-    link = robot.link(path[-1].child)
+    link = robot.links.get(path[-1].child, Link())
     leg = Leg(path, point=link.tip, radius_m=link.radius_m)
     motion = leg_motion(leg, np.array([[posture.get(name, 0.0) for name in leg.measured]]))
     moving = [row for row, joint in enumerate(path) if joint.kind != "fixed"]
     place, origins = motion.foot[0], motion.origins[0]
     length = sum(np.linalg.norm(np.diff(origins[moving[0] :], axis=0), axis=1))
     # A joint that slides takes the foot away from those that turn.
-    turning = [row for row in moving if path[row].kind == "revolute"] or moving
+    turning = [row for row in moving if path[row].kind != "prismatic"] or moving
     reach = float(np.linalg.norm(place - origins[turning[-1]]))
     at_joint = reach <= _REACH * (length + reach)
-    turns = at_joint and path[moving[-1]].name in robot.continuous
+    turns = at_joint and path[moving[-1]].kind == "continuous"
     is_joint = at_joint and len(moving) < _ANKLED
     return _End(leg, place, origins[moving[0]], is_joint, turns or _is_wheel(leg))
 
@@ -405,7 +395,7 @@ def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> 
         hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
         total, moment = 0.0, np.zeros(3)
         for link, place, turn in hanging:  # which grows
-            mass = robot.link(link)
+            mass = robot.links.get(link, Link())
             total += mass.mass_kg
             moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
             for each in below.get(link, ()):

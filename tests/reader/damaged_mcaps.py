@@ -127,6 +127,9 @@ def mcaps_with_damaged_records(compression: str) -> Iterator[Case]:
     for place in (0, 1, 3):
         harmed = flipped(data, start + place, 0x11)
         yield Case(f"record {place}", mcap, harmed, ANY, SECOND_CHUNK, either=True, number=None)
+    what = "was left out: its lengths contradict each other"
+    harmed = put(data, start + 9 + 16, bytes(24 + len(compression)))
+    yield Case("nothing in a chunk", mcap, harmed, what, SECOND_CHUNK, number=None)
     for rubbish in RUBBISH:
         harmed = data[:start] + rubbish + data[start:]
         what = f"the {len(rubbish)} bytes from byte {start} on are no record"

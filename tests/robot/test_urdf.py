@@ -157,7 +157,7 @@ def test_joints_that_are_understood() -> None:
     assert hip.translation == (0.1, 0.2, 0.3)
     assert hip.rotation == pytest.approx((0.0, 0.0, 0.5**0.5, 0.5**0.5))
     assert hip.axis == (0.0, 1.0, 0.0)
-    assert (wheel.kind, wheel.axis) == ("revolute", (1.0, 0.0, 0.0))
+    assert (wheel.kind, wheel.axis) == ("continuous", (1.0, 0.0, 0.0))
     assert (finger.kind, finger.measured, finger.multiplier, finger.offset) == (
         "prismatic",
         "hip",

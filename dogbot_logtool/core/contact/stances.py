@@ -49,8 +49,8 @@ class FootTrack(NamedTuple):
     horizontal_force: Floats | Float32s
     """(n, 2) N, along the world's x and y where the direction is known."""
     contact_points: tuple[Ints, Floats]
-    """(p,) ns and (p, 3) m: when and where in the world the foot touches, the first of each run of
-    samples that have a point, and up to `POINT_RATE_HZ` a second of the others."""
+    """(p,) ns and (p, 3) m: when and where in the world the foot touches, up to `POINT_RATE_HZ` a
+    second."""
     gaps: Ints
     """(g, 2) ns, intervals that are too long: last sample before, first one after."""
     force_impulse: Integral
@@ -99,9 +99,7 @@ def foot_track(
     steps = np.diff(time)
     gap = steps > steady_gap_ns(steps)
     rows = np.flatnonzero(all_finite(samples.position))
-    placed = first_at_each_tick(time[rows], POINT_RATE_HZ)
-    placed |= np.diff(rows, prepend=-2) > 1
-    rows = rows[placed]
+    rows = rows[first_at_each_tick(time[rows], POINT_RATE_HZ)]
     # From the last known vertical force, or the start, to the next known one.
     first, behind = flagged_runs(~known).T
     first, behind = np.maximum(first - 1, 0), np.minimum(behind, len(time) - 1)
@@ -363,11 +361,8 @@ def _friction_use(
     friction = np.sqrt(np.maximum(force * force - pressing * pressing, 0.0)) / pressing
     known = np.isfinite(friction) & ~np.isnan(track.vertical_force[rows]) & (force >= on_n)
     friction, of = friction[known], stance[known]
-    count = np.bincount(of, minlength=stance[-1] + 1)
-    use, has = np.full(len(count), np.nan), count > 0
-    end = np.cumsum(count)
-    first = end - count
-    use[has] = quantiles(sorted_runs(friction, first), first[has], end[has], 0.95)
+    use, (first, count) = np.full(stance[-1] + 1, np.nan), runs_of(of)
+    use[of[first]] = quantiles(sorted_runs(friction, first), first, first + count, 0.95)
     return use
 
 

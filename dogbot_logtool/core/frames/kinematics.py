@@ -9,7 +9,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, concatenated, picked
 from dogbot_logtool.core.rotations import multiply, rotate
 
-Kind = Literal["revolute", "prismatic", "fixed"]
+Kind = Literal["revolute", "continuous", "prismatic", "fixed"]
 Triple = tuple[float, float, float]
 _UPRIGHT: Final = (0.0, 0.0, 0.0, 1.0)
 LARGEST_LAG_NS: Final = 100_000_000
@@ -101,7 +101,7 @@ def link_poses(joints: Sequence[Joint], positions: Floats) -> tuple[Floats, Floa
         moved = joint.multiplier * positions[:, column] + joint.offset
         if joint.kind == "prismatic":
             translation[:, column] += rotate(origin, np.outer(moved, joint.axis))
-        elif joint.kind == "revolute":
+        elif joint.kind != "fixed":
             half = np.outer(np.sin(moved / 2.0), joint.axis)
             turn = np.column_stack([half, np.cos(moved / 2.0)])
             rotation[:, column] = multiply(origin, turn)

@@ -333,6 +333,8 @@ class RecordLog(Log):
         index = self._index_of(stored[chunk.end - chunk.offset :])
         data = stored[chunk.data_offset - chunk.offset :][: chunk.data_size]
         try:
+            if chunk.end - chunk.data_offset - chunk.data_size > _LARGEST_PADDING:
+                raise ChunkDamage("its lengths contradict each other")
             crc, losses = self._checksum(chunk, stored) if chunk.is_record else (0, ())
             size = decompress_into(target, data, chunk.compression)
             if size < len(target) and (crc or not size):

@@ -256,7 +256,7 @@ def left_out(chunk: Chunk, damage: ChunkDamage) -> Loss:
     """Say that nothing in a chunk can be used."""
     what = f"the chunk at byte {chunk.offset} was left out: {damage}"
     messages = chunk.messages if damage.messages is None else damage.messages
-    return Loss(chunk.data_offset, what, chunk.data_size, messages)
+    return Loss(chunk.data_offset, what, chunk.end - chunk.data_offset, messages)
 
 
 def undescribed(chunk: Chunk, messages: Messages) -> Loss:

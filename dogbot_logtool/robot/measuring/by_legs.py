@@ -61,10 +61,7 @@ def _estimated(
     robot = _based(recording, named.base_frame, robot)
     knows_axis = "forward_axis" in named.given or not selection.robot_is_guessed
     axis = named.forward_axis if knows_axis else None
-    try:
-        legs, axis = legs_of_robot(robot, _posture(recording.joints), axis)
-    except ValueError as reason:
-        raise ValueError(f"the robot description {reason}") from None
+    legs, axis = legs_of_robot(robot, _posture(recording.joints), axis)
     names = dict.fromkeys(name for leg in legs for name in leg.measured)
     joints = joints_of_legs(recording.joints, tuple(names))
     mass = named.mass_kg or robot.mass_kg
@@ -104,18 +101,12 @@ def facing(settings: WalkSettings, recording: Recording, robot: RobotOfUrdf) -> 
     """Let the names of a robot's legs tell its forward axis, if that was only guessed."""
     if not settings.forward_axis_is_assumed:
         return settings
-    axis, reason = axis_by_names(robot, _posture(recording.joints)), ""
+    axis, guessed = axis_by_names(robot, _posture(recording.joints)), settings.forward_axis
     if axis is None:
         return settings
-    if axis != settings.forward_axis:
-        guessed = f"{settings.forward_axis} of the guessed robot is not forward here"
-        reason = f"{guessed}: its legs' names say"
-    return replace(
-        settings,
-        forward_axis=axis,
-        forward_axis_is_assumed=False,
-        forward_axis_reason=reason,
-    )
+    settings = replace(settings, forward_axis=axis, forward_axis_is_assumed=False)
+    reason = f"{guessed} of the guessed robot is not forward here: its legs' names say"
+    return settings if axis == guessed else replace(settings, forward_axis_reason=reason)
 
 
 def _posture(tables: Sequence[JointTable]) -> dict[str, float]:
