@@ -9,8 +9,8 @@ from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
+from tests.truth.case import Case
 from tests.truth.foot_faults import without
-from tests.truth.judging import Case
 from tests.truth.recording import Disturbance, Recording
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.sensed import with_imu

@@ -141,20 +141,15 @@ def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> floa
     """Return the direction of forward by where fore and hind, left and right feet are, rad.
 
     Args:
-        places: (f,) m, x + iy of each foot.
+        places: (f,) m, x + iy of each foot, from the centre of all.
         positions: of each foot on the body.
 
     Returns:
         None where the names of the feet do not tell.
     """
-    ends: dict[str, list[complex]] = {}
-    for place, position in zip(places.tolist(), positions, strict=True):
-        for word in position or ():
-            ends.setdefault(word, []).append(place)
-    ahead = 0.0j
-    for first, second, turn in (("front", "back", 1.0), ("left", "right", -1.0j)):
-        if first in ends and second in ends:
-            ahead += turn * complex(np.mean(ends[first]) - np.mean(ends[second]))
+    turns = {"front": 1.0, "back": -1.0, "left": -1.0j, "right": 1.0j}
+    weights = [sum(turns.get(word, 0.0) for word in position or ()) for position in positions]
+    ahead = complex(np.dot(places, weights))
     return float(np.angle(ahead)) if abs(ahead) > _SPREAD_M else None
 
 
@@ -171,15 +166,16 @@ def by_legs(
     Returns:
         None where no foot's places are known.
     """
-    known = [row for row, path in enumerate(places) if path is not None and len(path.time) > 2]
+    pairs = zip(places, feet, strict=True)
+    known = [(path, foot) for path, foot in pairs if path is not None and len(path.time) > 2]
     if not known:
         return None
-    paths = [path for path in places if path is not None and len(path.time) > 2]
+    paths = [path for path, _ in known]
     # Some messages tell the place of a foot only while it stands.
     time = distinct(np.concatenate([path.time for path in paths]))
     time = time[first_at_each_tick(time, RATE_HZ)]
     place = np.stack([path.at(time) for path in paths], axis=1)
-    standing = np.stack([timespans.covers(feet[row].in_contact, time) for row in known], axis=1)
+    standing = np.stack([timespans.covers(foot.in_contact, time) for _, foot in known], axis=1)
     if len(base.time):
         angles = interpolated(time, base.time, base.angles)
         # Two feet tell no turn about the line between them, and bases that bound lean in time.

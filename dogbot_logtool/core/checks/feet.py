@@ -44,15 +44,6 @@ def no_class(walk: Walk) -> Iterator[Finding]:
         yield found("CLASS_UNKNOWN", where=where, say=say, names=names, gait=main.gait)
 
 
-def other_reference_foot(walk: Walk) -> Iterator[Finding]:
-    """Yield that phases are measured against another foot than usual."""
-    names = [foot.name for foot in walk.feet]
-    order = legs_in_order([foot.leg_position for foot in walk.feet]) or range(len(names))
-    if walk.main is not None and walk.reference != order[0]:
-        usual, other = names[order[0]], names[walk.reference]
-        yield found("CLASS_UNKNOWN", where="gait.phase", say="reference", foot=usual, other=other)
-
-
 def moves_without_steps(walk: Walk) -> Iterator[Finding]:
     """Yield time in which the base moves and no foot steps.
 
@@ -169,15 +160,10 @@ def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:
 
 
 def forces_lean(walk: Walk) -> Iterator[Finding]:
-    """Yield that forces may be in the frames of legs that swing."""
+    """Yield that forces may be in the frames of legs, or do not add up to nothing on the ground."""
     if _may_lean(walk):
         yield found("DIRECTION_UNKNOWN", where="feet", loads=walk.loads)
-
-
-def forces_push(walk: Walk) -> Iterator[Finding]:
-    """Yield that the forces along the ground do not add up to nothing."""
-    push = _refuted_push(walk)
-    if push is not None:
+    if push := _refuted_push(walk):
         way = "on" if push > 0.0 else "back"
         yield found("DIRECTION_UNKNOWN", where="feet", say="push", way=way, share=abs(push))
 
