@@ -34,7 +34,7 @@ class Link(NamedTuple):
     centre: Triple = ORIGIN
     """m, its centre of mass."""
     tip: Triple = ORIGIN
-    """m, where it touches the ground: its farthest ball."""
+    """m, where it touches the ground: its farthest ball, or end of a cylinder."""
     radius_m: float = 0.0
     """Of the ball there; 0: there is none."""
 
@@ -172,7 +172,8 @@ def _limits(element: ET.Element) -> JointLimits | None:
 def _link(element: ET.Element) -> Link:
     """Return a link."""
     mass, centre = 0.0, ORIGIN
-    balls: list[tuple[Triple, float]] = [(ORIGIN, 0.0)]
+    balls: list[tuple[Triple, float]] = []
+    ends: list[Triple] = []
     for part in element:
         if part.tag not in {"inertial", "collision", "visual"}:
             continue
@@ -181,6 +182,13 @@ def _link(element: ET.Element) -> Link:
             mass, centre = max(_number(part, "mass", "value"), 0.0), place
         elif radius := _number(part, "geometry/sphere", "radius"):
             balls.append((place, radius))
+        elif length := _number(part, "geometry/cylinder", "length"):
+            turn = from_roll_pitch_yaw(np.array([_triple(part, "origin", "rpy")]))
+            half = rotate(turn, np.array([[0.0, 0.0, length / 2.0]]))[0]
+            both = np.array(place) + half, np.array(place) - half
+            ends += [cast("Triple", tuple(each.tolist())) for each in both]
+    if not balls:
+        return Link(mass, centre, max(ends, key=lambda end: hypot(*end), default=ORIGIN))
     middle, radius = max(balls, key=lambda ball: (hypot(*ball[0]), ball[1]))
     return Link(mass, centre, ORIGIN if hypot(*middle) < _CENTRED * radius else middle, radius)
 
@@ -253,8 +261,8 @@ def legs_of_robot(
         what = f"has {what}no two legs: chains of joints that end below the base"
         raise ValueError(f"the robot description {what}")
     if unclear := [end.leg.foot for end in feet if end.is_joint]:
-        text = f"where the feet of {', '.join(unclear)} are: no link hangs there"
-        raise ValueError(f"the robot description does not say {text}, and they have no ball")
+        text = f"does not say where the feet of {', '.join(unclear)} are: no link hangs there"
+        raise ValueError(f"the robot description {text}, and they have no ball or cylinder")
     along = np.mean([end.place - end.hip for end in feet], axis=0)
     if np.hypot(along[0], along[1]) > abs(along[2]):
         text = f"has a base, {robot.base}, whose z axis is not up: legs go sideways"
