@@ -11,7 +11,7 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Leg, Mass, Triple, leg_motion
 from dogbot_logtool.core.frames.transforms import loops
 from dogbot_logtool.core.legs.joints import JointLimits
-from dogbot_logtool.core.rotations import from_roll_pitch_yaw, multiply, rotate
+from dogbot_logtool.core.rotations import along_heading, from_roll_pitch_yaw, multiply, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
@@ -86,7 +86,7 @@ def _base(joints: Sequence[Joint], links: Mapping[str, Link]) -> str:
     below = joints_below(joints)
     children = {joint.child for joint in joints}
     roots = [link for link in below if link not in children]
-    root = link = max(roots, key=lambda each: _count_below(below, each))
+    root = link = max(roots, key=lambda each: len([*_paths(below, each)]))
     stays = root.lower() not in _WORLDS
     while not (link in links and links[link].mass_kg) and len(below[link]) == 1:
         (joint,) = below[link]
@@ -103,10 +103,6 @@ def joints_below(joints: Sequence[Joint]) -> dict[str, list[Joint]]:
     for joint in joints:
         below.setdefault(joint.parent, []).append(joint)
     return below
-
-
-def _count_below(below: Mapping[str, list[Joint]], link: str) -> int:
-    return sum(1 + _count_below(below, joint.child) for joint in below.get(link, ()))
 
 
 def parse_urdf(text: str) -> ET.Element:
@@ -265,10 +261,8 @@ def legs_of_robot(
         raise ValueError(f"the robot description {text}")
     places = np.array([end.place for end in feet])
     axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
-    turn = FORWARD_ANGLES[axis]
-    ahead = places[:, 0] * np.cos(turn) + places[:, 1] * np.sin(turn)
-    aside = places[:, 1] * np.cos(turn) - places[:, 0] * np.sin(turn)
-    names = leg_names(np.column_stack([ahead, aside, places[:, 2]]))
+    along = along_heading(places, np.array(FORWARD_ANGLES[axis]))
+    names = leg_names(np.column_stack([*along, places[:, 2]]))
     legs = [
         end.leg._replace(
             name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
@@ -314,18 +308,19 @@ def _ends(
     robot: RobotOfUrdf, below: Mapping[str, list[Joint]], posture: Mapping[str, float]
 ) -> list[_End]:
     """Return where chains of joints end: at what hangs lowest on the last joint that moves."""
-    of_joint: dict[str, list[_End]] = {}
+    of_joint: dict[str, list[tuple[Joint, ...]]] = {}
     inner: set[str] = set()
     for path in _paths(below, robot.base):
         moving = [joint.name for joint in path if joint.kind != "fixed"]
         inner.update(moving[:-1])
         if len(moving) >= _SHORTEST:
-            of_joint.setdefault(moving[-1], []).append(_end(robot, path, posture))
-    return [
-        min(ends, key=lambda end: (end.is_joint, end.place[2]))
-        for name, ends in of_joint.items()
+            of_joint.setdefault(moving[-1], []).append(path)
+    several = [
+        [_end(robot, path, posture) for path in paths]
+        for name, paths in of_joint.items()
         if name not in inner
     ]
+    return [min(ends, key=lambda end: (end.is_joint, end.place[2])) for ends in several]
 
 
 def _end(robot: RobotOfUrdf, path: tuple[Joint, ...], posture: Mapping[str, float]) -> _End:
@@ -378,11 +373,11 @@ def _forward(places: Floats, named: Sequence[LegPosition]) -> str:
     """Return the axis along which places are as the names of legs say; +x where these do not."""
     ahead = np.array([{"front": 1.0, "back": -1.0}.get(end, 0.0) for end, _ in named])
     left = np.array([{"left": 1.0, "right": -1.0}.get(side, 0.0) for _, side in named])
-    x, y, _ = (places - places.mean(axis=0)).T
+    about = places - places.mean(axis=0)
 
     def fit(axis: str) -> float:
-        cos, sin = np.cos(FORWARD_ANGLES[axis]), np.sin(FORWARD_ANGLES[axis])
-        return float(ahead @ np.sign(x * cos + y * sin) + left @ np.sign(y * cos - x * sin))
+        forth, aside = along_heading(about, np.array(FORWARD_ANGLES[axis]))
+        return float(ahead @ np.sign(forth) + left @ np.sign(aside))
 
     return max(FORWARD_ANGLES, key=lambda axis: (round(fit(axis), 6), axis == "+x"))
 
