@@ -29,6 +29,7 @@ from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition
 
@@ -131,10 +132,15 @@ def by_points(
 
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return when and where a foot rests: in the middle of each whole stance."""
-    stood = footfalls(contact_path(foot), foot.stances)
-    known = all_finite(stood.position) & foot.stances.whole
-    return stood.time[known], stood.position[known]
+    """Return when and where a foot rests: in the middle of each stance."""
+    place, stances = footfalls(contact_path(foot), foot.stances).position, foot.stances
+    begin, end, known = stances.touchdown, stances.liftoff, all_finite(place)
+    if stances.whole.any():
+        # A stance that the log's start or end cuts is taken to be as long as others.
+        usual = int(median_of((end - begin)[stances.whole]))
+        begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
+        end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
+    return (begin + (end - begin) // 2)[known], place[known]
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:
@@ -244,6 +250,8 @@ SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
+SWINGS: Final = 0.3
+"""m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
 class Motion(NamedTuple):
@@ -318,8 +326,9 @@ class Comparison(NamedTuple):
 
     @property
     def tells_way(self) -> bool:
-        """Whether the witness goes somewhere."""
-        return self.reference.walked_m > SHORTEST_PATH_M
+        """Whether the witness goes somewhere, and does not turn on the spot."""
+        turned = float(np.abs(self.reference.turn).sum())
+        return self.reference.walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
 
     @property
     def scale(self) -> float:
