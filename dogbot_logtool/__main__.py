@@ -29,7 +29,7 @@ def main() -> NoReturn:
     raise_on_signals()
     gc.set_threshold(_NEW_OBJECTS)
     # A product of matrices over several threads is no sooner done, takes as much time of the other
-    # cores again, and adds up in another order.
+    # cores again, and adds up in another order; and a process with threads must not be forked.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "mallopt"):
         for parameter, size in _KEPT_MEMORY.items():

@@ -16,7 +16,7 @@ from dogbot_logtool.io.printable import printable, safe_streams
 from dogbot_logtool.io.storage import valid_unicode, without_secrets
 from dogbot_logtool.option import instead_of
 from dogbot_logtool.options import COMMANDS, record_of
-from dogbot_logtool.signals import raise_on_signals, stopped
+from dogbot_logtool.signals import stopped
 
 
 class _Commands(click.Group):
@@ -53,10 +53,6 @@ def cli() -> None:
 
 def main() -> NoReturn:
     """Run the command line; every failure ends as a sentence and an exit code."""
-    raise_on_signals()
-    # numpy's linear algebra, which we do not use, starts threads that burn 0.1 s of every core, and
-    # a process with threads must not be forked.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with safe_streams() as stdout:
         code = _run()
         sys.stdout.flush()

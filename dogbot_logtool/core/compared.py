@@ -392,12 +392,12 @@ def odd_scale(vertical: Floats, wanted: Floats, mass_kg: float) -> tuple[int, fl
     total = vertical.sum(axis=1)
     if not total.any():
         return None
-    inverse = np.linalg.pinv(vertical.T @ vertical)
-    factors = inverse @ (vertical.T @ wanted)
+    fit = np.linalg.pinv(vertical)
+    factors = fit @ wanted
     common = float(total @ wanted) / float(total @ total)
     left = [_rms(wanted - common * total), _rms(wanted - vertical @ factors)]
     # What is left may come back in every stride: more of them make a factor no surer.
-    spread = left[1] * np.sqrt(len(total) * np.diag(inverse))
+    spread = left[1] * np.sqrt(len(total) * (fit * fit).sum(axis=1))
     off = np.flatnonzero(np.abs(factors - 1.0) > ODD)
     one = left[0] > left[1] + _AS_GOOD * mass_kg * GRAVITY_MPS2 and len(off) == 1
     return (int(off[0]), float(factors[off[0]])) if one and (spread <= _CERTAIN).all() else None

@@ -41,7 +41,7 @@ NEEDS: Final[Mapping[str, str]] = {
     "commands": "no velocity commands",
     "imu": "no accelerometer",
     "plan": "no planned contacts",
-    "stamps": "no header stamps",
+    "stamps": "no header stamps that are read",
 }
 """What a log may lack, and the sentence that says so; of several the first is told."""
 

@@ -11,7 +11,7 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Leg, Mass, Triple, leg_motion
 from dogbot_logtool.core.frames.transforms import loops
 from dogbot_logtool.core.legs.joints import JointLimits
-from dogbot_logtool.core.rotations import from_roll_pitch_yaw, multiply, rotate
+from dogbot_logtool.core.rotations import along_heading, from_roll_pitch_yaw, multiply, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
 from dogbot_logtool.robot.names import leg_of, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
@@ -34,7 +34,7 @@ class Link(NamedTuple):
     centre: Triple = ORIGIN
     """m, its centre of mass."""
     tip: Triple = ORIGIN
-    """m, where it touches the ground: its farthest ball."""
+    """m, where it touches the ground: its farthest ball, or end of a cylinder."""
     radius_m: float = 0.0
     """Of the ball there; 0: there is none."""
 
@@ -48,15 +48,12 @@ class RobotOfUrdf(NamedTuple):
     """They make a tree of links."""
     limits: Mapping[str, JointLimits]
     links: Mapping[str, Link]
+    """Those that it tells of."""
 
     @property
     def mass_kg(self) -> float | None:
         """The sum over all links; None where it has none."""
         return sum(link.mass_kg for link in self.links.values()) or None
-
-    def link(self, name: str) -> Link:
-        """Return a link, which a description need not have."""
-        return self.links.get(name, Link())
 
 
 def read_robot(urdf: str) -> RobotOfUrdf:
@@ -89,7 +86,7 @@ def _base(joints: Sequence[Joint], links: Mapping[str, Link]) -> str:
     below = joints_below(joints)
     children = {joint.child for joint in joints}
     roots = [link for link in below if link not in children]
-    root = link = max(roots, key=lambda each: _count_below(below, each))
+    root = link = max(roots, key=lambda each: len([*_paths(below, each)]))
     stays = root.lower() not in _WORLDS
     while not (link in links and links[link].mass_kg) and len(below[link]) == 1:
         (joint,) = below[link]
@@ -106,10 +103,6 @@ def joints_below(joints: Sequence[Joint]) -> dict[str, list[Joint]]:
     for joint in joints:
         below.setdefault(joint.parent, []).append(joint)
     return below
-
-
-def _count_below(below: Mapping[str, list[Joint]], link: str) -> int:
-    return sum(1 + _count_below(below, joint.child) for joint in below.get(link, ()))
 
 
 def parse_urdf(text: str) -> ET.Element:
@@ -179,7 +172,8 @@ def _limits(element: ET.Element) -> JointLimits | None:
 def _link(element: ET.Element) -> Link:
     """Return a link."""
     mass, centre = 0.0, ORIGIN
-    balls: list[tuple[Triple, float]] = [(ORIGIN, 0.0)]
+    balls: list[tuple[Triple, float]] = []
+    ends: list[Triple] = []
     for part in element:
         if part.tag not in {"inertial", "collision", "visual"}:
             continue
@@ -188,6 +182,13 @@ def _link(element: ET.Element) -> Link:
             mass, centre = max(_number(part, "mass", "value"), 0.0), place
         elif radius := _number(part, "geometry/sphere", "radius"):
             balls.append((place, radius))
+        elif length := _number(part, "geometry/cylinder", "length"):
+            turn = from_roll_pitch_yaw(np.array([_triple(part, "origin", "rpy")]))
+            half = rotate(turn, np.array([[0.0, 0.0, length / 2.0]]))[0]
+            both = np.array(place) + half, np.array(place) - half
+            ends += [cast("Triple", tuple(each.tolist())) for each in both]
+    if not balls:
+        return Link(mass, centre, max(ends, key=lambda end: hypot(*end), default=ORIGIN))
     middle, radius = max(balls, key=lambda ball: (hypot(*ball[0]), ball[1]))
     return Link(mass, centre, ORIGIN if hypot(*middle) < _CENTRED * radius else middle, radius)
 
@@ -260,18 +261,16 @@ def legs_of_robot(
         what = f"has {what}no two legs: chains of joints that end below the base"
         raise ValueError(f"the robot description {what}")
     if unclear := [end.leg.foot for end in feet if end.is_joint]:
-        text = f"where the feet of {', '.join(unclear)} are: no link hangs there"
-        raise ValueError(f"the robot description does not say {text}, and they have no ball")
+        text = f"does not say where the feet of {', '.join(unclear)} are: no link hangs there"
+        raise ValueError(f"the robot description {text}, and they have no ball or cylinder")
     along = np.mean([end.place - end.hip for end in feet], axis=0)
     if np.hypot(along[0], along[1]) > abs(along[2]):
         text = f"has a base, {robot.base}, whose z axis is not up: legs go sideways"
         raise ValueError(f"the robot description {text}")
     places = np.array([end.place for end in feet])
     axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
-    turn = FORWARD_ANGLES[axis]
-    ahead = places[:, 0] * np.cos(turn) + places[:, 1] * np.sin(turn)
-    aside = places[:, 1] * np.cos(turn) - places[:, 0] * np.sin(turn)
-    names = leg_names(np.column_stack([ahead, aside, places[:, 2]]))
+    along = along_heading(places, np.array(FORWARD_ANGLES[axis]))
+    names = leg_names(np.column_stack([*along, places[:, 2]]))
     legs = [
         end.leg._replace(
             name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
@@ -317,23 +316,24 @@ def _ends(
     robot: RobotOfUrdf, below: Mapping[str, list[Joint]], posture: Mapping[str, float]
 ) -> list[_End]:
     """Return where chains of joints end: at what hangs lowest on the last joint that moves."""
-    of_joint: dict[str, list[_End]] = {}
+    of_joint: dict[str, list[tuple[Joint, ...]]] = {}
     inner: set[str] = set()
     for path in _paths(below, robot.base):
         moving = [joint.name for joint in path if joint.kind != "fixed"]
         inner.update(moving[:-1])
         if len(moving) >= _SHORTEST:
-            of_joint.setdefault(moving[-1], []).append(_end(robot, path, posture))
-    return [
-        min(ends, key=lambda end: (end.is_joint, end.place[2]))
-        for name, ends in of_joint.items()
+            of_joint.setdefault(moving[-1], []).append(path)
+    several = [
+        [_end(robot, path, posture) for path in paths]
+        for name, paths in of_joint.items()
         if name not in inner
     ]
+    return [min(ends, key=lambda end: (end.is_joint, end.place[2])) for ends in several]
 
 
 def _end(robot: RobotOfUrdf, path: tuple[Joint, ...], posture: Mapping[str, float]) -> _End:
     """Return where a chain of joints ends, if its last link is the foot."""
-    link = robot.link(path[-1].child)
+    link = robot.links.get(path[-1].child, Link())
     leg = Leg(path, point=link.tip, radius_m=link.radius_m)
     motion = leg_motion(leg, np.array([[posture.get(name, 0.0) for name in leg.measured]]))
     moving = [row for row, joint in enumerate(path) if joint.kind != "fixed"]
@@ -381,11 +381,11 @@ def _forward(places: Floats, named: Sequence[LegPosition]) -> str:
     """Return the axis along which places are as the names of legs say; +x where these do not."""
     ahead = np.array([{"front": 1.0, "back": -1.0}.get(end, 0.0) for end, _ in named])
     left = np.array([{"left": 1.0, "right": -1.0}.get(side, 0.0) for _, side in named])
-    x, y, _ = (places - places.mean(axis=0)).T
+    about = places - places.mean(axis=0)
 
     def fit(axis: str) -> float:
-        cos, sin = np.cos(FORWARD_ANGLES[axis]), np.sin(FORWARD_ANGLES[axis])
-        return float(ahead @ np.sign(x * cos + y * sin) + left @ np.sign(y * cos - x * sin))
+        forth, aside = along_heading(about, np.array(FORWARD_ANGLES[axis]))
+        return float(ahead @ np.sign(forth) + left @ np.sign(aside))
 
     return max(FORWARD_ANGLES, key=lambda axis: (round(fit(axis), 6), axis == "+x"))
 
@@ -398,7 +398,7 @@ def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> 
         hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
         total, moment = 0.0, np.zeros(3)
         for link, place, turn in hanging:  # which grows
-            mass = robot.link(link)
+            mass = robot.links.get(link, Link())
             total += mass.mass_kg
             moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
             for each in below.get(link, ()):

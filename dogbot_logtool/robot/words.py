@@ -159,10 +159,11 @@ def parts_of(names: Iterable[str]) -> frozenset[Part]:
 
 def _words_of(name: str) -> Iterator[Word]:
     segment = 0
-    for letters, number, _ in re.findall(r"([A-Za-z]+)|([0-9]+)|(/)", name):
-        if not (letters or number):
+    for piece in re.findall(r"[A-Za-z]+|[0-9]+|/", name):
+        if piece == "/":
             segment += 1
-        for text in _split_letters(letters) if letters else filter(None, [number]):
+            continue
+        for text in _split_letters(piece) if piece.isalpha() else [piece]:
             yield Word(text, segment)
 
 

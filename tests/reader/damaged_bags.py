@@ -93,6 +93,11 @@ def bags_with_damaged_chunks() -> Iterator[Case]:
             what = f"the {len(rubbish)} bytes from byte {start} on are no record"
             harmed = data[:start] + rubbish + data[start:]
             yield Case("rubbish", bag, harmed, what, number=None, bytes=len(rubbish))
+        gone, what = (
+            data[:start] + data[bag.chunk_starts[2] :],
+            "counts 12 messages, but 8 were found",
+        )
+        yield Case("a chunk is gone", bag, gone, what, SECOND_CHUNK, number=None)
         case = built(small_bag(compression), indexed=False)
         yield Case(f"{compression} without index", *case, "has no index")
         for indexed in (False, True) if compression != "none" else ():

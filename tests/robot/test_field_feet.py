@@ -147,14 +147,6 @@ def test_fields_become_the_loads_they_are(
     ("word", "expected"),
     [
         ("/state:legs[0].forces", "nearest are legs[].force (geometry_msgs/Vector3)"),
-        (
-            "/state:loads[4]",
-            "must be readable as loads[4], but",
-        ),
-        ("/state:loads", "nearest are loads[] (float64)"),
-        ("/state:left", "nearest are left.force"),
-        ("/state:header[0]", "has no number or vector header[0]"),
-        ("/state:legs[0]..z", "is no path of a field"),
         ("/stat:left.force", "did you mean /state?"),
         ("/state", "A field of its messages can be named: left=/state:FIELD"),
         ("/state:left.force", "needs a topic or a field of its own"),

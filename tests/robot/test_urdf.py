@@ -108,10 +108,27 @@ def without_feet(shape: str) -> str:
     return text
 
 
-def test_a_foot_without_a_link_is_the_last_link_s_ball() -> None:
-    ball = '<origin xyz="0 0 -0.2"/><geometry><sphere radius="0.02"/></geometry>'
-    (first, *_), _ = legs_of_robot(read_robot(without_feet(ball)), {})
-    assert (first.foot, first.point, first.radius_m) == ("FL_calf", (0.0, 0.0, -0.2), 0.02)
+@pytest.mark.parametrize(
+    ("shape", "point", "radius"),
+    [
+        (
+            '<origin xyz="0 0 -0.2"/><geometry><sphere radius="0.02"/></geometry>',
+            (0.0, 0.0, -0.2),
+            0.02,
+        ),
+        (
+            '<origin xyz="0 0 -0.1"/><geometry><cylinder length="0.2" radius="0.01"/></geometry>',
+            (0.0, 0.0, -0.2),
+            0.0,
+        ),
+    ],
+)
+def test_a_foot_without_a_link_is_where_the_last_link_ends(
+    shape: str, point: tuple[float, float, float], radius: float
+) -> None:
+    (first, *_), _ = legs_of_robot(read_robot(without_feet(shape)), {})
+    assert (first.foot, first.radius_m) == ("FL_calf", radius)
+    assert first.point == pytest.approx(point)
 
 
 def test_feet_that_nothing_places_are_named() -> None:

@@ -13,7 +13,7 @@ from tests.truth import (
     sensor_cases,
     time_cases,
 )
-from tests.truth.judging import Case
+from tests.truth.case import Case
 
 _ALL: Final = gait_cases, sensor_cases, foot_cases, pose_cases, time_cases, event_cases, imu_cases
 

@@ -13,7 +13,7 @@ from tests.truth import pose_faults as pose
 from tests.truth import scenes
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth.judging import Case, Event
+from tests.truth.case import Case, Event
 from tests.truth.recording import Disturbance, on
 from tests.truth.scenes import Knots, OneAfterAnother, Scene
 from tests.truth.walking import Walk

@@ -10,7 +10,7 @@ from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth.judging import Case, Tolerance
+from tests.truth.case import Case, Tolerance
 from tests.truth.recording import on
 from tests.truth.scenes import OneAfterAnother, standing
 from tests.truth.walking import Walk

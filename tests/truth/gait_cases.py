@@ -5,8 +5,8 @@ from math import radians
 
 from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
+from tests.truth.case import Case, Tolerance
 from tests.truth.gaits import Gait
-from tests.truth.judging import Case, Tolerance
 from tests.truth.recording import Disturbance
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk

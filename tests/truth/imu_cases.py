@@ -8,8 +8,8 @@ import numpy as np
 
 from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
+from tests.truth.case import Case
 from tests.truth.geometry import Floats, about_axis, product
-from tests.truth.judging import Case
 from tests.truth.recording import on
 from tests.truth.sensed import G, mounted, pushed, reading, with_imu
 from tests.truth.walking import Walk

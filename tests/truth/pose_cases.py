@@ -9,8 +9,8 @@ from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
+from tests.truth.case import Case
 from tests.truth.foot_faults import without
-from tests.truth.judging import Case
 from tests.truth.recording import Disturbance, Recording
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.sensed import with_imu
@@ -133,6 +133,7 @@ def sound() -> Iterator[Case]:
     starts = pose.relocalised(0.0, radians(70.0), (12.0, -7.0, 0.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
     gallop = Walk(gait=gaits.ROTARY_GALLOP, robot=quadruped(1.0), period_s=0.58, speed_mps=0.34)
+    bounding = Walk(gait=gaits.HALF_BOUND, speed_mps=0.2, turn_radps=-0.8, seconds=12.0)
     every = tuple(WAYS)
     table: tuple[tuple[str, Walk, Disturbance, Sequence[str]], ...] = (
         ("a trot", TROT, _nothing, every),
@@ -148,6 +149,7 @@ def sound() -> Iterator[Case]:
         ("20 Hz odometry", TROT, pose.rarely(20.0), every),
         ("planar poses on level ground", TROT, pose.flat(), (FORCES, PLACES, GYRO)),
         ("places that are not filled in", TROT, pose.places_unfilled, (PLACES,)),
+        ("a tight circle on one hind foot at times", bounding, _nothing, (POINTS, PLACES)),
         ("a run", run, _nothing, (POINTS,)),
         ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),
         ("noise of 2 mm", TROT, pose.pose_noise(0.002), every),

@@ -8,7 +8,7 @@ from typing import Final
 from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth.judging import Case, Tolerance
+from tests.truth.case import Case, Tolerance
 from tests.truth.recording import on
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
@@ -62,7 +62,7 @@ def noises() -> Iterator[Case]:
     """Noise, spikes, limits."""
     for mass, seed in ((20.0, 0), (20.0, 1), (80.0, 2)):
         yield Case(f"noise 5 N, {mass:g} kg, seed {seed}", Walk(robot=quadruped(mass)),
-                   (FORCE, sensor.noise(5.0, seed)), skip="verdict, braking",
+                   (FORCE, sensor.noise(5.0, seed)), skip="verdict, braking, size",
                    tolerance=Tolerance(event_s=0.04, duty=0.05, contact=0.05, force=0.1))
     yield Case("noise 5 N, 0.5 kg", LIGHT, (FORCE, sensor.noise(5.0)),
                "noise|threshold|modes|unloaded")

@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
+from tests.truth.case import Case
 from tests.truth.cases import all_cases
-from tests.truth.judging import Case, faults, judge
+from tests.truth.judging import faults, judge
 from tests.truth.outcome import outcome
 from tests.truth.pose_cases import WAYS
 from tests.truth.pose_faults import silent

@@ -36,6 +36,7 @@ BY_JOINTS: Final = {"by_transforms": False}
     [
         (lambda q, v, e: (np.degrees(q), np.degrees(v), e), "legs' joints move by 21"),
         (lambda q, v, e: (q, np.degrees(v), e), "times those of their positions"),
+        (lambda q, v, e: (q, v / 8.0, e), "times those of their positions"),
         (lambda q, v, e: (q, np.where(CALF, -v, v), e), "positions: FL_calf_joint (-"),
         (lambda q, v, e: (q, v, e / 8.0), "times that of the forces on the feet"),
         (lambda q, v, e: (q, v, 1e3 * e), "which is no torque in N m"),

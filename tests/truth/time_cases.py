@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import time_faults as time
-from tests.truth.judging import Case
+from tests.truth.case import Case
 from tests.truth.recording import on
 from tests.truth.robots import quadruped
 from tests.truth.walking import Walk

@@ -3,7 +3,7 @@
 from typing import Final
 
 from tests.truth import gaits
-from tests.truth.judging import Tolerance
+from tests.truth.case import Tolerance
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.sensor_faults import as_force_sensors, noise, user_gives
 from tests.truth.walking import Walk

@@ -96,7 +96,9 @@ def leg_odometry(
         turns = _fitted_turn(velocity, middle)
     else:
         turns = (turn_rate[1:] + turn_rate[:-1]) / 2.0
-    velocity -= np.cross(np.nan_to_num(turns)[:, None, :], middle)
+    # One foot tells no turn: it turns as before and after.
+    turning = bridged(turns, (time[1:] - time[0]) / 1e9 - seconds[:, 0, 0] / 2.0)
+    velocity -= np.cross(turning[:, None, :], middle)
     feet = np.isfinite(velocity[:, :, 0]).sum(axis=1)
     found = np.full((len(feet), 3), np.nan)
     known = feet > 0

@@ -29,6 +29,7 @@ from dogbot_logtool.core.base.leg_odometry import dead_reckoned, leg_odometry
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.clock import first_at_each_tick
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.stances import Cut
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import LegPosition
 
@@ -131,30 +132,30 @@ def by_points(
 
 
 def _footfalls(foot: FootHistory) -> tuple[Ints, Floats]:
-    """Return when and where a foot rests: in the middle of each whole stance."""
-    stood = footfalls(contact_path(foot), foot.stances)
-    known = all_finite(stood.position) & foot.stances.whole
-    return stood.time[known], stood.position[known]
+    """Return when and where a foot rests: in the middle of each stance."""
+    place, stances = footfalls(contact_path(foot), foot.stances).position, foot.stances
+    begin, end, known = stances.touchdown, stances.liftoff, all_finite(place)
+    if stances.whole.any():
+        # A stance that the log's start or end cuts is taken to be as long as others.
+        usual = int(median_of((end - begin)[stances.whole]))
+        begin = np.where(stances.cut == Cut.LOG_START, np.minimum(begin, end - usual), begin)
+        end = np.where(stances.cut == Cut.LOG_END, np.maximum(end, begin + usual), end)
+    return (begin + (end - begin) // 2)[known], place[known]
 
 
 def _heading(places: Complexes, positions: Sequence[LegPosition | None]) -> float | None:
     """Return the direction of forward by where fore and hind, left and right feet are, rad.
 
     Args:
-        places: (f,) m, x + iy of each foot.
+        places: (f,) m, x + iy of each foot, from the centre of all.
         positions: of each foot on the body.
 
     Returns:
         None where the names of the feet do not tell.
     """
-    ends: dict[str, list[complex]] = {}
-    for place, position in zip(places.tolist(), positions, strict=True):
-        for word in position or ():
-            ends.setdefault(word, []).append(place)
-    ahead = 0.0j
-    for first, second, turn in (("front", "back", 1.0), ("left", "right", -1.0j)):
-        if first in ends and second in ends:
-            ahead += turn * complex(np.mean(ends[first]) - np.mean(ends[second]))
+    turns = {"front": 1.0, "back": -1.0, "left": -1.0j, "right": 1.0j}
+    weights = [sum(turns.get(word, 0.0) for word in position or ()) for position in positions]
+    ahead = complex(np.dot(places, weights))
     return float(np.angle(ahead)) if abs(ahead) > _SPREAD_M else None
 
 
@@ -171,15 +172,16 @@ def by_legs(
     Returns:
         None where no foot's places are known.
     """
-    known = [row for row, path in enumerate(places) if path is not None and len(path.time) > 2]
+    pairs = zip(places, feet, strict=True)
+    known = [(path, foot) for path, foot in pairs if path is not None and len(path.time) > 2]
     if not known:
         return None
-    paths = [path for path in places if path is not None and len(path.time) > 2]
+    paths = [path for path, _ in known]
     # Some messages tell the place of a foot only while it stands.
     time = distinct(np.concatenate([path.time for path in paths]))
     time = time[first_at_each_tick(time, RATE_HZ)]
     place = np.stack([path.at(time) for path in paths], axis=1)
-    standing = np.stack([timespans.covers(feet[row].in_contact, time) for row in known], axis=1)
+    standing = np.stack([timespans.covers(foot.in_contact, time) for _, foot in known], axis=1)
     if len(base.time):
         angles = interpolated(time, base.time, base.angles)
         # Two feet tell no turn about the line between them, and bases that bound lean in time.
@@ -248,6 +250,8 @@ SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
+SWINGS: Final = 0.3
+"""m a radian: a way that is shorter than a turn times this may be that of a point off the base."""
 
 
 class Motion(NamedTuple):
@@ -322,8 +326,9 @@ class Comparison(NamedTuple):
 
     @property
     def tells_way(self) -> bool:
-        """Whether the witness goes somewhere."""
-        return self.reference.walked_m > SHORTEST_PATH_M
+        """Whether the witness goes somewhere, and does not turn on the spot."""
+        turned = float(np.abs(self.reference.turn).sum())
+        return self.reference.walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
 
     @property
     def scale(self) -> float:

@@ -101,18 +101,12 @@ def facing(settings: WalkSettings, recording: Recording, robot: RobotOfUrdf) -> 
     """Let the names of a robot's legs tell its forward axis, if that was only guessed."""
     if not settings.forward_axis_is_assumed:
         return settings
-    axis, reason = axis_by_names(robot, _posture(recording.joints)), ""
+    axis, guessed = axis_by_names(robot, _posture(recording.joints)), settings.forward_axis
     if axis is None:
         return settings
-    if axis != settings.forward_axis:
-        guessed = f"{settings.forward_axis} of the guessed robot is not forward here"
-        reason = f"{guessed}: its legs' names say"
-    return replace(
-        settings,
-        forward_axis=axis,
-        forward_axis_is_assumed=False,
-        forward_axis_reason=reason,
-    )
+    settings = replace(settings, forward_axis=axis, forward_axis_is_assumed=False)
+    reason = f"{guessed} of the guessed robot is not forward here: its legs' names say"
+    return settings if axis == guessed else replace(settings, forward_axis_reason=reason)
 
 
 def _posture(tables: Sequence[JointTable]) -> dict[str, float]:

@@ -23,7 +23,7 @@ from dogbot_logtool.reader.containers.bag.records import (
 )
 from dogbot_logtool.reader.containers.descriptions import Description
 from dogbot_logtool.reader.containers.log import Channel, Chunk, Schema
-from dogbot_logtool.reader.containers.loss import Loss
+from dogbot_logtool.reader.containers.loss import Loss, lost_messages
 from dogbot_logtool.reader.containers.record_log import (
     RecordLog,
     Times,
@@ -83,6 +83,13 @@ class BagLog(RecordLog):
             and self._holds(len(BAG_MAGIC), index_start, self._indexed_chunks(index_start))
             and self._times_hold()
         )
+
+    def _conclude(self) -> None:
+        stated = sum(sum(each["counts"].values()) for each in self._stated.values())
+        found, known_lost = sum(self.counts.values()), lost_messages(self._losses)
+        if known_lost is not None and stated > found + known_lost:
+            what = f"the bag's index counts {stated} messages, but {found} were found"
+            self._losses.append(Loss(0, what, 0, None))
 
     def _take_info(self, record: Record) -> None:
         """Take what an index record says of a chunk.
