@@ -325,10 +325,15 @@ class Comparison(NamedTuple):
         return len(self.own.turn)
 
     @property
+    def goes(self) -> bool:
+        """Whether the witness goes somewhere."""
+        return self.reference.walked_m > SHORTEST_PATH_M
+
+    @property
     def tells_way(self) -> bool:
-        """Whether the witness goes somewhere, and does not turn on the spot."""
+        """Whether it does, and does not turn on the spot."""
         turned = float(np.abs(self.reference.turn).sum())
-        return self.reference.walked_m > max(SHORTEST_PATH_M, SWINGS * turned)
+        return self.goes and self.reference.walked_m > SWINGS * turned
 
     @property
     def scale(self) -> float:

@@ -377,7 +377,7 @@ def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     tall = height.median if height else walk.worlds.spread_m if walk.worlds else np.inf
     words: Words = {"metres": metres, "told": feet}
     if feet.by == LEGS:
-        goes_alike = feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
+        goes_alike = feet.goes and SCALES[0] <= feet.scale <= SCALES[1]
         if goes_alike and abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
     elif feet.strides >= FEWEST_STRIDES and abs(metres) > RISES * tall:

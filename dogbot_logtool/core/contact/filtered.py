@@ -56,10 +56,10 @@ class Filter(NamedTuple):
     """Whether that tells the forces before it well enough for contact."""
 
 
-_Tails = tuple[list[Floats], float]
-"""How the loads of a foot, as shares of its usual range, fall; and the standard deviation of their
-noise."""
-_NO_TAILS: Final[_Tails] = ([], 0.0)
+_Tails = tuple[list[Floats], list[Floats], float]
+"""How the loads of a foot, as shares of its usual range, fall and, backwards, how they rise; and
+the standard deviation of their noise."""
+_NO_TAILS: Final[_Tails] = ([], [], 0.0)
 
 
 def find_filters(feet: Sequence[Samples]) -> tuple[Filter | None, ...]:
@@ -78,10 +78,11 @@ def find_filters(feet: Sequence[Samples]) -> tuple[Filter | None, ...]:
 
 def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:
     """Return the filter whose exponential tails the loads of feet end in, if they do."""
-    falls = [tail for some, _ in feet for tail in some]
-    if len(falls) < FEWEST_TAILS:
+    falls = [tail for some, _, _ in feet for tail in some]
+    rises = [tail for _, some, _ in feet for tail in some]
+    if min(len(falls), len(rises)) < FEWEST_TAILS:
         return None
-    fall = _mean(falls)
+    fall, rise = _mean(falls), _mean(rises)
     # From the lift-off on, where it falls fastest; noise may let that seem earlier.
     over = len(fall) // 8 + 1
     first = int(np.argmin(fall[over:] - fall[:-over])) + over // 2 if over < len(fall) else 0
@@ -89,9 +90,12 @@ def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:
     if len(tail) < FEWEST_ROWS:
         return None
     tau, error, misses = _exponential(tail)
-    noise = float(np.mean([each for _, each in feet]))
+    noise = float(np.mean([each for _, _, each in feet]))
     most = np.hypot(STRAIGHT * (tail[0] - tail[-1]), NOISES * noise / np.sqrt(len(falls)))
     if tau <= FEWEST_INTERVALS or error >= UNSURE or misses >= most:
+        return None
+    # A filter prolongs the fall, not the rise.
+    if _rows_below(tail[0], rise, fall) >= _rows_below(tail[0], fall, rise):
         return None
     return _removable(tau, error, noise, len(fall), interval_s)
 
@@ -134,15 +138,22 @@ def _exponential(tail: Floats) -> tuple[float, float, float]:
     return 1.0 / float(factors[0]), error, float(np.sqrt(variance))
 
 
+def _rows_below(level: float, tail: Floats, other: Floats) -> float:
+    """Return the mean time, in samples, that a tail takes for the fall that two have in common."""
+    end = max(float(each[-(len(each) // 10 + 1) :].mean()) for each in (tail, other))
+    below = tail[int(np.argmax(tail < level)) :]
+    return float(np.sum(below - end) / (level - end))
+
+
 def _mean(tails: Sequence[Floats]) -> Floats:
-    """Return the mean of tails over their usual length."""
+    """Return the mean of tails over their usual length; noise about `HALF` makes short ones."""
     rows = np.array([len(each) for each in tails])
-    usual = int(median_of(rows))
+    usual = int(median_of(rows[rows >= rows.max() / 4]))
     return np.asarray(np.mean([each[:usual] for each in tails if len(each) >= usual], axis=0))
 
 
 def _tails_of(samples: Samples) -> _Tails:
-    """Return how a foot's load falls."""
+    """Return how a foot's load falls and rises."""
     force = samples.force[all_finite(samples.force)]
     if len(force) < FEWEST_ROWS:
         return _NO_TAILS
@@ -155,7 +166,7 @@ def _tails_of(samples: Samples) -> _Tails:
     if over >= len(share):
         return _NO_TAILS
     smooth = np.convolve(share, np.full(over, 1.0 / over), "same")
-    return _tails(share, smooth), noise
+    return _tails(share, smooth), _tails(share[::-1], smooth[::-1]), noise
 
 
 def _along_load(force: Floats) -> Floats:
