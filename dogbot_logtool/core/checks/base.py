@@ -20,6 +20,7 @@ from dogbot_logtool.core.base.leg_odometry import turns_and_up
 from dogbot_logtool.core.base.witness import (
     LEGS,
     POINTS,
+    SHORTEST_PATH_M,
     Comparison,
     Motion,
     by_twist,
@@ -227,7 +228,9 @@ def feet_agree(walk: Walk) -> bool:
         return False
     own = motion_in(walk.poses, windows, forward_rad)
     feet = compare(walk.witness, own, windows, forward_rad)
-    return feet is not None and feet.tells_way and SCALES[0] <= feet.scale <= SCALES[1]
+    if feet is None or feet.reference.walked_m <= SHORTEST_PATH_M:
+        return False
+    return SCALES[0] <= feet.scale <= SCALES[1]
 
 
 STAYS_M: Final = 0.03
