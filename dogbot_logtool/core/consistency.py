@@ -233,7 +233,8 @@ FOLLOWS: Final = 0.81
 """Share of the heave that forces must explain where the base follows them."""
 AS_FAR: Final = (0.75, 1.33)
 """How far the base may go, against what the forces say."""
-LEAST_STRIDES: Final = 6
+LEAST_STRIDES: Final = 2
+"""Strides that are compared, beside those at the ends that means and delays take."""
 FEWEST_CELLS: Final = 8
 """Cells in a stride; a trot heaves twice in it, and fewer do not show how."""
 _LONGEST_S: Final = 120.0
@@ -278,7 +279,7 @@ def long_delay(
     start, end = spans[np.argmax(spans[:, 1] - spans[:, 0])].tolist()
     cells = int(min((end - start) / 1e9, _LONGEST_S) * CELL_RATE_HZ)
     window = max(round(period_s * CELL_RATE_HZ), 1)
-    if cells < LEAST_STRIDES * window or window < FEWEST_CELLS:
+    if cells < window or window < FEWEST_CELLS:
         return None
     time = start + np.arange(cells) * _CELL_NS
     force = mean_impulses(feet, "vertical_impulse", time + _CELL_NS // 2, _CELL_NS // 2).sum(axis=1)
@@ -287,7 +288,7 @@ def long_delay(
     heave = _about_mean(base.position_at(time + 3 * _CELL_NS // 2)[:, 2], window)
     edge = 2 * window + int(_LATEST_S * CELL_RATE_HZ) + 2
     inside = np.isfinite(heave) & (np.arange(cells) >= edge) & (np.arange(cells) < cells - edge)
-    if not (inside.any() and force.mean() > 0.0):
+    if inside.sum() < LEAST_STRIDES * window or force.mean() <= 0.0:
         return None
     found = _best_fit(heave[inside], [np.interp(at[inside] - lag, at, driven) for lag in _LAGS_S])
     least = max(CLOCK_SHARE_OF_STRIDE * period_s, LONGEST_DELAY_S)

@@ -133,6 +133,8 @@ def sound() -> Iterator[Case]:
     starts = pose.relocalised(0.0, radians(70.0), (12.0, -7.0, 0.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
     gallop = Walk(gait=gaits.ROTARY_GALLOP, robot=quadruped(1.0), period_s=0.58, speed_mps=0.34)
+    heaving = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.82, speed_mps=0.6, seconds=7.3,
+                   heaves=True)
     bounding = Walk(gait=gaits.HALF_BOUND, speed_mps=0.2, turn_radps=-0.8, seconds=12.0)
     every = tuple(WAYS)
     table: tuple[tuple[str, Walk, Disturbance, Sequence[str]], ...] = (
@@ -151,6 +153,7 @@ def sound() -> Iterator[Case]:
         ("places that are not filled in", TROT, pose.places_unfilled, (PLACES,)),
         ("a tight circle on one hind foot at times", bounding, _nothing, (POINTS, PLACES)),
         ("a run", run, _nothing, (POINTS,)),
+        ("few strides that heave", heaving, _nothing, (TF,)),
         ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),
         ("noise of 2 mm", TROT, pose.pose_noise(0.002), every),
         ("noise of 10 mm, tight circle", Walk(turn_radps=1.2, seconds=10.0), pose.pose_noise(0.01),
