@@ -229,6 +229,8 @@ def trend(values: Floats) -> tuple[Floats, float]:
 
 LIKELY: Final = 0.97
 """Share of what the best delay explains, from which another is as likely."""
+REPEATS: Final = 0.9
+"""The same of one that fits better than those around it: the heave repeats itself then."""
 FOLLOWS: Final = 0.81
 """Share of the heave that forces must explain where the base follows them."""
 AS_FAR: Final = (0.75, 1.33)
@@ -312,7 +314,8 @@ def _best_fit(heave: Floats, driven: Sequence[Floats]) -> Delay | None:
     best = int(explained.argmax())
     if not (explained[best] >= FOLLOWS and AS_FAR[0] <= gains[best] <= AS_FAR[1]):
         return None
-    likely = _LAGS_S[explained >= LIKELY * explained[best]]
+    is_peak = explained >= np.maximum(np.roll(explained, 1), np.roll(explained, -1))
+    likely = _LAGS_S[explained >= np.where(is_peak, REPEATS, LIKELY) * explained[best]]
     return Delay(float(_LAGS_S[best]), float(likely.min()), float(likely.max()))
 
 
