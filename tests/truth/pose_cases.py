@@ -133,6 +133,7 @@ def sound() -> Iterator[Case]:
     starts = pose.relocalised(0.0, radians(70.0), (12.0, -7.0, 0.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
     gallop = Walk(gait=gaits.ROTARY_GALLOP, robot=quadruped(1.0), period_s=0.58, speed_mps=0.34)
+    few = Walk(gait=gaits.TRIPOD, robot=hexapod(10.0), period_s=0.7, speed_mps=0.1, seconds=4.0)
     heaving = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.82, speed_mps=0.6, seconds=7.3,
                    heaves=True)
     bounding = Walk(gait=gaits.HALF_BOUND, speed_mps=0.2, turn_radps=-0.8, seconds=12.0)
@@ -151,6 +152,7 @@ def sound() -> Iterator[Case]:
         ("20 Hz odometry", TROT, pose.rarely(20.0), every),
         ("planar poses on level ground", TROT, pose.flat(), (FORCES, PLACES, GYRO)),
         ("places that are not filled in", TROT, pose.places_unfilled, (PLACES,)),
+        ("a few strides", few, _nothing, (FORCES,)),
         ("a tight circle on one hind foot at times", bounding, _nothing, (POINTS, PLACES)),
         ("a run", run, _nothing, (POINTS,)),
         ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),

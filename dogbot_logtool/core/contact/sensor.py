@@ -275,7 +275,9 @@ def _is_steady(level: SensorLevel, log_time: Ints, load: Floats) -> bool:
     if (norms(np.diff(level.offset, axis=0)) > limit).any():
         return False
     window_ns = max(round(_STRIDES * _SWINGS_A_STRIDE * (level.swing_s or 0.0) * 1e9), 1)
-    first, count = runs_of((log_time - log_time[0]) // window_ns)
+    window = (log_time - log_time[0]) // window_ns
+    # What is left at the end may be less than a stride.
+    first, count = runs_of(np.minimum(window, max(int(window[-1]) - 1, 0)))
     ordered = sorted_runs(without_spikes(load), first)
     low, high = (quantiles(ordered, first, first + count, share) for share in (_LOW, _HIGH))
     strays = np.minimum(np.abs(low), np.abs(high)) > limit
