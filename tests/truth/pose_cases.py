@@ -133,6 +133,7 @@ def sound() -> Iterator[Case]:
     starts = pose.relocalised(0.0, radians(70.0), (12.0, -7.0, 0.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
     gallop = Walk(gait=gaits.ROTARY_GALLOP, robot=quadruped(1.0), period_s=0.58, speed_mps=0.34)
+    sagging = Walk(gait=replace(gaits.PACE, duty=0.8), hump=-0.1)
     few = Walk(gait=gaits.TRIPOD, robot=hexapod(10.0), period_s=0.7, speed_mps=0.1, seconds=4.0)
     heaving = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.82, speed_mps=0.6, seconds=7.3,
                    heaves=True)
@@ -163,6 +164,8 @@ def sound() -> Iterator[Case]:
     for name, walk, fault, ways in table:
         for way in ways:
             yield _case(f"sound: {name}, {way}", walk, way, fault, "")
+    faults = (pose.feet_in_tf, sensor.in_link_frame)
+    yield Case("sound: loads that sag in mid-stance", sagging, faults, "")
     case = _case(f"sound: few strides that heave, {TF}", heaving, TF, _nothing, "")
     yield replace(case, skip=f"{case.skip}, peak force, braking",
                   tolerance=Tolerance(event_s=0.05, duty=0.06, contact=0.06))
