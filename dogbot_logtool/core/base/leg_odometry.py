@@ -97,13 +97,19 @@ def leg_odometry(
     else:
         turns = (turn_rate[1:] + turn_rate[:-1]) / 2.0
     # One foot tells no turn: it turns as before and after.
-    turning = bridged(turns, (time[1:] - time[0]) / 1e9 - seconds[:, 0, 0] / 2.0)
+    turning = bridged(turns, _middle_s(time))
     velocity -= np.cross(turning[:, None, :], middle)
     feet = np.isfinite(velocity[:, :, 0]).sum(axis=1)
     found = np.full((len(feet), 3), np.nan)
     known = feet > 0
     found[known] = median_of_known(velocity[known], axis=1)
     return LegOdometry(time, found, turns, feet, _noise(velocity, found, feet))
+
+
+def _middle_s(time: Ints) -> Floats:
+    """(n - 1,) s, the middle of each interval since the first time."""
+    middle: Floats = (time[1:] - time[0]) / 1e9 - np.diff(time) / 1e9 / 2.0
+    return middle
 
 
 def _fitted_turn(velocity: Floats, place: Floats) -> Floats:
@@ -156,7 +162,7 @@ def dead_reckoned(
         poses at the times of the samples.
     """
     time, seconds = legs.time, np.diff(legs.time) / 1e9
-    middle = (time[1:] - time[0]) / 1e9 - seconds / 2.0
+    middle = _middle_s(time)
     gained = np.zeros_like(legs.velocity)
     if acceleration is not None:
         step = (acceleration[1:] + acceleration[:-1]) / 2.0 * seconds[:, None]

@@ -13,7 +13,14 @@ from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, concatenated, mean_of_known, nearest_rows, norms
+from dogbot_logtool.core.arrays import (
+    Floats,
+    concatenated,
+    mean_of_known,
+    nearest_rows,
+    norms,
+    percentiles_of,
+)
 from dogbot_logtool.core.clock import usual_interval_s
 from dogbot_logtool.core.contact.contacts import Samples, without_contact
 from dogbot_logtool.core.contact.foot_history import Thresholds
@@ -155,7 +162,7 @@ def _contact_level(samples: Samples) -> tuple[float, float, str]:
     force = samples.force.astype(float)
     if len(force):
         # A mode that is a count or two narrower than the other must not pass for the unloaded one.
-        low, high = np.percentile(force[:, 2], [5.0, 95.0])
+        low, high = percentiles_of(force[:, 2], [5.0, 95.0])
         force[:, 2] += np.random.default_rng(0).normal(0.0, _BLUR * (high - low), len(force))
     level = estimate_level(samples.log_time, force, _UNLOADED)
     on, offset = contact_rule(level, None, Thresholds(), None).on_n, float(level.offset_n[2])
