@@ -25,7 +25,7 @@ from dogbot_logtool.core.arrays import (
     sorted_runs,
     trapezoids,
 )
-from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.quality import steady_gap_ns
 
@@ -95,18 +95,15 @@ def foot_track(
     time, force = clock.of(samples), norms(samples.force)
     usable = np.isfinite(force)
     not_finite = len(usable) - int(usable.sum())
-    if clock is TimeSource.HEADER:
-        usable &= time != 0
-    usable[usable] = advancing(time[usable])
-    row = np.flatnonzero(usable).astype(np.int32)
-    if len(row) < len(usable):
-        samples, time, force = samples.pick(usable), time[usable], force[usable]
+    rows = rows_in_time(samples, clock, usable)
+    if len(rows) < len(usable):
+        samples, time, force = samples.pick(rows), time[rows], force[rows]
     known = samples.in_world | force_in_world | (force == 0.0)
     vertical = np.where(known, samples.force[:, 2], np.nan)
     steps = np.diff(time)
     gap = steps > steady_gap_ns(steps)
-    rows = np.flatnonzero(all_finite(samples.position))
-    rows = rows[first_at_each_tick(time[rows], POINT_RATE_HZ)]
+    placed = np.flatnonzero(all_finite(samples.position))
+    placed = placed[first_at_each_tick(time[placed], POINT_RATE_HZ)]
     # From the last known vertical force, or the start, to the next known one.
     first, behind = flagged_runs(~known).T
     first, behind = np.maximum(first - 1, 0), np.minimum(behind, len(time) - 1)
@@ -114,12 +111,12 @@ def foot_track(
     known_s = seconds * (known[1:] & known[:-1])
     track = FootTrack(
         time=time,
-        row=row,
+        row=rows.astype(np.int32),
         log_time=samples.log_time,
         force=force,
         vertical_force=vertical,
         horizontal_force=samples.force[:, :2],
-        contact_points=(time[rows], samples.position.take(rows, axis=0).astype(np.float64)),
+        contact_points=(time[placed], samples.position.take(placed, axis=0).astype(np.float64)),
         gaps=np.stack([time[:-1][gap], time[1:][gap]], axis=1),
         force_impulse=Integral(time, trapezoids(seconds, force[:, None])),
         impulse=Integral(time, trapezoids(known_s, samples.force)),
