@@ -216,10 +216,9 @@ def rows_in_time(columns: Stamped, clock: TimeSource, usable: Flags) -> Ints:
         clock: which time counts.
         usable: (n,) which messages can be used.
     """
-    good = usable
+    rows = np.flatnonzero(usable)
     if clock is TimeSource.HEADER:
-        good = good & check_stamps("", columns.stamp, columns.log_time).usable
-    rows = np.flatnonzero(good)
+        rows = rows[check_stamps("", columns.stamp[rows], columns.log_time[rows]).usable]
     return rows[advancing(clock.of(columns)[rows])]
 
 
