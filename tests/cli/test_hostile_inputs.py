@@ -244,13 +244,7 @@ def full_disk() -> Iterator[None]:
     resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        "stats TROT --figure out.png",
-        "convert TROT -o out.mcap",
-    ],
-)
+@pytest.mark.parametrize("words", ["stats TROT --figure out.png", "convert TROT -o out.mcap"])
 @pytest.mark.usefixtures("full_disk")
 def test_an_output_that_is_too_large_leaves_nothing(shell: Shell, words: str) -> None:
     done = shell(*(TROT if word == "TROT" else word for word in words.split()))
@@ -259,13 +253,7 @@ def test_an_output_that_is_too_large_leaves_nothing(shell: Shell, words: str) ->
 
 
 @pytest.mark.parametrize(
-    "words",
-    [
-        "info NAME",
-        "convert NAME -o out/",
-        "compare NAME NAME",
-        "convert TROUBLED -o NAME",
-    ],
+    "words", ["info NAME", "convert NAME -o out/", "compare NAME NAME", "convert TROUBLED -o NAME"]
 )
 def test_a_name_that_no_disk_takes_is_told(shell: Shell, words: str) -> None:
     names = {"NAME": "x" * 5000, "TROUBLED": TROUBLED}

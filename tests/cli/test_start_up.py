@@ -62,11 +62,7 @@ def test_a_call_loads_only_what_it_needs(
     ],
 )
 def test_what_an_extra_brings_is_asked_for(
-    shell: Shell,
-    monkeypatch: pytest.MonkeyPatch,
-    words: Sequence[object],
-    package: str,
-    extra: str,
+    shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str, extra: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     for module in ("run.cluster", "report.dataset", "report.gait_figure", "report.page.render"):

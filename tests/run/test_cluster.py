@@ -55,8 +55,7 @@ def test_an_address_without_scheduler() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("first", "what"),
-    [(LACKS_PACKAGE, "No module named"), (OLD_PACKAGE, "the worker has")],
+    ("first", "what"), [(LACKS_PACKAGE, "No module named"), (OLD_PACKAGE, "the worker has")]
 )
 def test_a_worker_that_cannot_do_it(tmp_path: Path, first: str, what: str) -> None:
     """Items that it gets fail at once, and are not waited for."""

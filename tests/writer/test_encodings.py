@@ -25,14 +25,7 @@ from dogbot_logtool.writer.chunks import (
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros import Ros2Encoding
-from dogbot_logtool.writer.template import (
-    Columns,
-    Literal,
-    Of,
-    Slot,
-    Template,
-    learn,
-)
+from dogbot_logtool.writer.template import Columns, Literal, Of, Slot, Template, learn
 from tests.oracles import walks
 from tests.oracles.annotated_file import read_written
 
@@ -95,10 +88,7 @@ def test_a_message_larger_than_a_chunk_is_not_split() -> None:
 PAIR = struct.Struct("<3sIIdfx")
 INT64 = st.integers(-(2**63), 2**63 - 1)
 STAMP = {"sec": Slot("stamp.sec", of=Of.TIME), "nanosec": Slot("stamp.nanosec", of=Of.TIME)}
-VALUES = {
-    "force": Slot("force"),
-    "red": Slot("red", of=Of.COLOUR),
-}
+VALUES = {"force": Slot("force"), "red": Slot("red", of=Of.COLOUR)}
 NUMBER = {"n": Slot("n", of=Of.TIME)}
 KINDS = Ros2Encoding.kinds
 
@@ -123,18 +113,8 @@ def timestamps() -> Template:
     return learn(timestamp, STAMP, FoxgloveEncoding.kinds)
 
 
-@given(
-    st.lists(
-        st.tuples(
-            st.integers(0, 2**32 * NS - 1),
-            st.floats(),
-            st.floats(width=32),
-        )
-    )
-)
-def test_copies_are_what_the_serialiser_makes(
-    rows: list[tuple[int, float, float]],
-) -> None:
+@given(st.lists(st.tuples(st.integers(0, 2**32 * NS - 1), st.floats(), st.floats(width=32))))
+def test_copies_are_what_the_serialiser_makes(rows: list[tuple[int, float, float]]) -> None:
     template = packed()
     columns = {
         **Ros2Encoding().stamp_columns(np.array([time for time, *_ in rows], np.int64)),
