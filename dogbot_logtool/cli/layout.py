@@ -16,7 +16,7 @@ def run(options: Layout) -> NoReturn:
     viewer = VIEWERS[options.viewer]
     log = None if options.log is None else Path(options.log)
     inputs = [log] if log else []
-    target = output_file(options.output, viewer.suffix, inputs, overwrite=options.overwrite)
+    target = output_file(options.output, inputs, overwrite=options.overwrite)
     view = view_of(log, options)
     call.add_damage(view.damage)
     write(viewer.layout(view), target, overwrite=options.overwrite)
