@@ -1,6 +1,5 @@
 """Poses of the base: as recorded, as a history at up to 100 Hz, and without jumps."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
@@ -12,7 +11,6 @@ from dogbot_logtool.core.arrays import (
     Floats,
     Ints,
     all_finite,
-    concatenated,
     header_time,
     interpolated,
     median_of,
@@ -61,16 +59,6 @@ def no_odometry() -> Odometry:
     times: Ints = np.empty(0, np.int64)
     vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
     return Odometry(times, times, vectors, quaternions, vectors)
-
-
-def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
-    """Join messages of several senders, in the order of their log times."""
-    if len(parts) == 1:
-        return parts[0]
-    if not parts:
-        return no_odometry()
-    joined = concatenated(parts)
-    return joined.pick(np.argsort(joined.log_time, kind="stable"))
 
 
 def scaled(odometry: Odometry, metres: float) -> Odometry:
