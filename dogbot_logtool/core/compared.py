@@ -101,7 +101,8 @@ def follow_commands(walk: Walk, history: VectorHistory) -> CommandTrack | None:
     opposed = []
     if longest.sum() / TRACKING_HZ >= _FEWEST_WINDOWS * window / 1e9:
         late = [
-            _turned(command.mean(time[longest] - delay, window), turn_rad) for delay in _DELAYS_NS
+            along_heading(command.mean(time[longest] - delay, window), turn_rad)
+            for delay in _DELAYS_NS
         ]
         opposed = [
             name
@@ -117,7 +118,7 @@ def follow_commands(walk: Walk, history: VectorHistory) -> CommandTrack | None:
         commanded_s=timespans.total(both) / 1e9,
         no_command_s=(timespans.total(known) - timespans.total(both)) / 1e9,
         time=time,
-        commanded=_turned(commanded, turn_rad),
+        commanded=along_heading(commanded, turn_rad),
         measured=measured,
         opposed=tuple(opposed),
     )
@@ -145,17 +146,11 @@ def _axes_turn(
     if forward_rad == 0.0:
         return 0.0, True
     turns = 0.0, forward_rad
-    errors = [measured - _turned(commanded, each) for each in turns]
+    errors = [measured - along_heading(commanded, each) for each in turns]
     squares = [float((each[:, :2] ** 2).sum()) for each in errors]
     better = squares.index(min(squares))
     clear = squares[better] <= _CLEARLY**2 * squares[1 - better] or not commanded[:, :2].any()
     return turns[better], bool(clear)
-
-
-def _turned(velocity: Floats, by_rad: float) -> Floats:
-    """(n, 3) velocities as in `AXES`, along axes that are turned to the left."""
-    forward, left = along_heading(velocity, np.full(len(velocity), by_rad))
-    return np.stack([forward, left, velocity[:, 2]], axis=1)
 
 
 def _oppose(measured: Floats, commanded: Floats) -> bool:

@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Flags,
     Float32s,
@@ -18,8 +19,7 @@ from dogbot_logtool.core.base.ground import (
     LONGEST_STEP_S,
     Footfalls,
     FootPath,
-    silent_before,
-    unbroken,
+    without_silences,
 )
 from dogbot_logtool.core.clock import (
     ClockDifference,
@@ -349,7 +349,8 @@ def joint_work(joint: JointTrack, begin: Ints, end: Ints) -> Floats:
     """
     totals = np.nancumsum(joint.work, axis=1, dtype=np.float64)
     done = Integral(joint.time, totals.T).added(begin, end).T
-    known = unbroken(joint.time, ~np.isfinite(joint.work[0]), begin, end)
+    told = timespans.spans_where(joint.time, np.isfinite(joint.work[0, 1:]))
+    known = timespans.hold_window(told, begin, 0, end - begin)
     work: Floats = np.where(known, done, np.nan)
     return work
 
@@ -368,11 +369,11 @@ def joint_curve(joint: JointTrack, strides: Strides) -> tuple[Shape, float] | No
     Returns:
         Its position over the gait cycle, and the median range of motion in a stride, rad or m.
     """
-    whole = unbroken(joint.time, silent_before(joint.time), strides.touchdown, strides.end)
+    start, period = strides.touchdown, strides.end - strides.touchdown
+    whole = timespans.hold_window(without_silences(joint.time), start, 0, period)
     if not joint.moves or not whole.any():
         return None
-    start, period = strides.touchdown[whole], (strides.end - strides.touchdown)[whole]
-    time = (start - joint.time[0])[:, None] + period[:, None] * CYCLE
+    time = (start[whole] - joint.time[0])[:, None] + period[whole, None] * CYCLE
     since = (joint.time - joint.time[0]).astype(np.float64)
     position = np.interp(time, since, joint.position.astype(np.float64))
     return cycle_curve(position), float(median_of(np.ptp(position, axis=1)))
