@@ -23,9 +23,9 @@ from dogbot_logtool.core.arrays import (
     Ints,
     aggregate,
     all_finite,
+    integral,
     median_of,
     nearest_rows,
-    trapezoids,
 )
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import motion_in
@@ -273,7 +273,7 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
         return None
     poses = _acceleration(base, time, half)
     up = rotate(conjugate(attitude), np.broadcast_to([0.0, 0.0, GRAVITY_MPS2], body.shape))
-    means = _integral(at, np.concatenate([body, up], axis=1)).mean(time, 2 * half)
+    means = integral(at, np.concatenate([body, up], axis=1)).mean(time, 2 * half)
     turned = from_roll_pitch_yaw(base.angles_at(time))
     expected = means[:, 3:] + rotate(conjugate(turned), poses)
     mean, wanted = means[:, :3].mean(axis=0), expected.mean(axis=0)
@@ -284,7 +284,7 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
     reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
     ratio, odd_foot = None, None
     if reading == "m/s^2":
-        world = _integral(at, rotate(attitude, rotate(turn[None], body)))
+        world = integral(at, rotate(attitude, rotate(turn[None], body)))
         ratio, odd_foot = _compare_forces(walk, world, time, half)
     metrics = Imu(
         topic=sensed.topic,
@@ -313,11 +313,6 @@ def _reading(size: float, scale: float, off: float) -> Reading:
     if abs(scale - 1.0) <= TOLERANCE:
         return "m/s^2"
     return "g" if abs(scale * GRAVITY_MPS2 - 1.0) <= TOLERANCE else "another scale"
-
-
-def _integral(time: Ints, values: Floats) -> Integral:
-    """Add up values, (n, k), over times, (n,) ns."""
-    return Integral(time, trapezoids(np.diff(time) / 1e9, values))
 
 
 def _acceleration(base: BaseHistory, time: Ints, half_ns: int) -> Floats:

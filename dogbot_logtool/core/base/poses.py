@@ -17,6 +17,7 @@ from dogbot_logtool.core.arrays import (
     interpolated,
     median_of,
     median_of_known,
+    middles,
     picked,
 )
 from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
@@ -160,7 +161,7 @@ class BaseHistory:
             forward_rad: from the body's x axis to the axis that points forward.
         """
         yaw = self.angles[:, 2]
-        heading = (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad
+        heading = middles(yaw) + forward_rad
         displacement = along_heading(np.diff(self.position[:, :2], axis=0), heading)
         return np.stack([*displacement.T, np.diff(yaw)])
 

@@ -14,6 +14,7 @@ from dogbot_logtool.core.arrays import (
     Integral,
     Ints,
     median_of,
+    middles,
 )
 from dogbot_logtool.core.base.ground import (
     LONGEST_STEP_S,
@@ -211,14 +212,14 @@ def _track(
     moves = bool(displacement.any())
     if (np.isfinite(velocity) & (velocity != 0.0)).any():
         power = effort * velocity
-        positive = _middles(np.maximum(power, 0.0)) * step_s
-        absolute = _middles(np.abs(power)) * step_s
+        positive = middles(np.maximum(power, 0.0)) * step_s
+        absolute = middles(np.abs(power)) * step_s
         speed = np.abs(velocity[1:])
     else:
-        work = _middles(effort) * displacement + 0.0 * step_s
+        work = middles(effort) * displacement + 0.0 * step_s
         positive, absolute = work.clip(0.0), np.abs(work)
         speed = np.abs(displacement / step_s)
-    middle, squared = _middles(velocity), _middles(effort**2) * step_s
+    middle, squared = middles(velocity), middles(effort**2) * step_s
     near_s = float(np.nansum(step_s[_near_limit(limits, position[1:], effort[1:], speed)]))
     lowest, highest = float(np.fmin.reduce(effort)), float(np.fmax.reduce(effort))
     has_effort = lowest < highest or (lowest == highest != 0.0 and not moves)
@@ -258,11 +259,6 @@ def _near_limit(limits: JointLimits, position: Floats, effort: Floats, speed: Fl
     near |= np.abs(effort) > NEAR_FULL * limits.effort
     near |= speed > NEAR_FULL * limits.velocity
     return near
-
-
-def _middles(values: Floats) -> Floats:
-    middles: Floats = (values[1:] + values[:-1]) / 2.0
-    return middles
 
 
 JOINT_RATE_HZ: Final = 100.0
