@@ -29,16 +29,6 @@ TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
 
 
-class WantedVectors(NamedTuple):
-    """A topic of vectors, with all of its senders."""
-
-    topic: str
-    channels: tuple[Channel, ...]
-    """All of one type."""
-    part: MessagePart
-    """What is read of its messages."""
-
-
 class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
@@ -48,8 +38,9 @@ class Wanted(NamedTuple):
     transforms: tuple[Channel, ...] = ()
     joints: tuple[Channel, ...] = ()
     """Of joint states, the best first."""
-    commands: WantedVectors | None = None
-    accelerations: WantedVectors | None = None
+    commands: tuple[Channel, ...] = ()
+    """All senders of one topic; likewise `accelerations`."""
+    accelerations: tuple[Channel, ...] = ()
     planned: FootChannels | None = None
     """Channels of contacts that a plan has for the same feet."""
     draws_states: bool = False
@@ -107,9 +98,13 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     for topic, stamps in _stamped(log, wanted, base, [*contacts, *planned]):
         part.columns["stamps", topic].append(stamps)
     _add_transforms(part, wanted, batch, whole)
-    for kind, vectors in (("commands", wanted.commands), ("accelerations", wanted.accelerations)):
-        if vectors is not None:
-            samples, frames, malformed = read_vectors(batch, vectors.channels, vectors.part)
+    sides: Mapping[MessagePart, tuple[Channel, ...]] = {
+        "commands": wanted.commands,
+        "accelerations": wanted.accelerations,
+    }
+    for kind, channels in sides.items():
+        if channels:
+            samples, frames, malformed = read_vectors(batch, channels, kind)
             part.columns[kind, ONLY].append(samples)
             part.names[kind, ONLY].update(frames)
             part.add_malformed(malformed)

@@ -17,7 +17,7 @@ from dogbot_logtool.options import MeasureOptions, RobotOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import BASES
-from dogbot_logtool.robot.feet import planned_feet
+from dogbot_logtool.robot.feet import channels_of_feet, planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection, select_topics
@@ -57,7 +57,7 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     joints = tuple(joint_channels(log))
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection.findings))
-    planned = _planned(log, selection, options)
+    planned = _planned(log, selection)
     commands, accelerations, findings = side_topics(log, selection.robot)
     wanted = selection.wanted()._replace(
         joints=joints,
@@ -69,14 +69,11 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     return MeasuringPlan(selection, planned, wanted, findings)
 
 
-def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selection | None:
+def _planned(log: Log, selection: Selection) -> Selection | None:
     """Return the selection of the feet of a plan that the log has beside their sensors."""
-    if options.feet:
-        return None
     feet = planned_feet(log, selection.robot, selection.contacts)
-    if not feet:
-        return None
-    return select_topics(log, replace(options, foot=None, set={"tare": "none"}, feet=feet))
+    robot = replace(selection.robot, feet=feet, tare="none", given=frozenset())
+    return selection._replace(robot=robot, feet_of=channels_of_feet(log, robot)) if feet else None
 
 
 def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
@@ -203,8 +200,8 @@ def prepare(
     start, end = wanted.limits
     settings = replace(
         settings_of(selection, options),
-        command_topic=wanted.commands.topic if wanted.commands else "",
-        imu_topic=wanted.accelerations.topic if wanted.accelerations else "",
+        command_topic=wanted.commands[0].topic if wanted.commands else "",
+        imu_topic=wanted.accelerations[0].topic if wanted.accelerations else "",
         silent_from=log.start_time if start is None else None,
         silent_until=log.end_time if end is None else None,
     )
