@@ -13,7 +13,7 @@ from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_f
 from dogbot_logtool.core.recording import Times, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.messages.bases import Base, BasePoses
+from dogbot_logtool.reader.messages.bases import BasePoses, read_base
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
@@ -24,6 +24,7 @@ from dogbot_logtool.reader.messages.others import (
     read_transforms,
     read_vectors,
 )
+from dogbot_logtool.reader.messages.source import Topic
 
 TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
@@ -33,7 +34,7 @@ class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
     feet: FootChannels
-    base: Base | None = None
+    base: Topic | None = None
     """How the base's poses are read; None: there are none."""
     transforms: tuple[Channel, ...] = ()
     joints: tuple[Channel, ...] = ()
@@ -113,7 +114,7 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
 
 
 def _add_base(part: Part, wanted: Wanted, batch: Batch) -> list[BasePoses]:
-    base = wanted.base.read(batch) if wanted.base else []
+    base = read_base(wanted.base, batch) if wanted.base else []
     poses, implausible = plausible(concatenate_odometry([each.poses for each in base]))
     part.columns["base", ONLY].append(poses)
     part.counts["implausible", ONLY] += implausible

@@ -10,11 +10,11 @@ from typing import Literal, NamedTuple
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
-from dogbot_logtool.reader.messages.source import Source
+from dogbot_logtool.reader.messages.source import Source, Topic
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
@@ -54,7 +54,7 @@ class Selection(NamedTuple):
     """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
     ignored_flags: frozenset[int] = frozenset()
     """Feet of which forces decide contact, since they contradict the flags of the messages."""
-    base: Base | None = None
+    base: Topic | None = None
     """How the base's poses are read; None: there are none."""
     robot_is_guessed: bool = False
     """Whether the robot was guessed from the log's topics."""
