@@ -119,7 +119,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     named = _with_options(log, _choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
     robot, unsure = find_feet(log, named, of_feet)
-    robot = with_settings(robot, options.set)
+    robot = with_settings(robot, options)
     feet_of = channels_of_feet(log, robot)
     possible = find_candidates(log) if not (feet_of or unsure) else []
     offers = [*unsure, *possible]
@@ -154,7 +154,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
 def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> Robot:
     """Return the robot that the user names, else the known one whose topics the log has."""
     if options.robot is not None:
-        return load_robot(options.robot).with_mass(options.mass)
+        return load_robot(options.robot)
     usable, recorded = _usable_topics(log), log.channels_by_topic
     robot, most = load_robot(GENERIC), 0
     for name in known_robots():
@@ -168,7 +168,7 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
         if fits and len(topics) > most:
             robot, most = known, len(topics)
     findings.append(found("ROBOT_GUESSED", robot=robot.name))
-    return robot.with_mass(options.mass)
+    return robot
 
 
 def _usable_topics(log: Log) -> frozenset[str]:
