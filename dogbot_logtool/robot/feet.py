@@ -14,7 +14,7 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import feet_in
 from dogbot_logtool.reader.messages.source import Source, Topic, source_of
-from dogbot_logtool.robot.names import ORDER, FootSet, label_names, leg_position, name_feet
+from dogbot_logtool.robot.names import FootSet, label_names, leg_order, leg_position, name_feet
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
     first_messages,
@@ -276,13 +276,7 @@ def _at_legs(legs: Sequence[str], topic: Topic) -> tuple[Foot, ...]:
 
 def _front_to_back(feet: Iterable[Foot]) -> tuple[Foot, ...]:
     """Sort feet front to back, left before right; those of unknown legs stand behind."""
-    order = (*ORDER, "centre", "")
-
-    def key(foot: Foot) -> tuple[int, int, str]:
-        end, side = foot.leg_position or ("", "")
-        return order.index(end), order.index(side), "" if end else foot.name
-
-    return tuple(sorted(feet, key=key))
+    return tuple(sorted(feet, key=lambda foot: leg_order(foot.name, foot.leg_position)))
 
 
 def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:

@@ -13,7 +13,7 @@ from dogbot_logtool.core.frames.transforms import loops
 from dogbot_logtool.core.legs.joints import JointLimits
 from dogbot_logtool.core.rotations import along_heading, from_roll_pitch_yaw, multiply, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
-from dogbot_logtool.robot.names import leg_of, leg_position
+from dogbot_logtool.robot.names import leg_of, leg_order, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
 
 _KINDS: Final = frozenset({"revolute", "continuous", "prismatic", "fixed"})
@@ -277,8 +277,7 @@ def legs_of_robot(
         )
         for name, end in zip(names, feet, strict=True)
     ]
-    order = ("front", "middle", "back", "")
-    legs.sort(key=lambda leg: (order.index((leg.position or ("",))[0]), leg.name))
+    legs.sort(key=lambda leg: leg_order(leg.name, leg.position))
     return tuple(legs), axis
 
 
