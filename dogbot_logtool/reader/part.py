@@ -28,16 +28,6 @@ TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
 
 
-class WantedVectors(NamedTuple):
-    """A topic of vectors, with all of its senders."""
-
-    topic: str
-    channels: tuple[Channel, ...]
-    """All of one type."""
-    part: MessagePart
-    """What is read of its messages."""
-
-
 class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
@@ -47,8 +37,9 @@ class Wanted(NamedTuple):
     transforms: tuple[Channel, ...] = ()
     joints: tuple[Channel, ...] = ()
     """Of joint states, the best first."""
-    commands: WantedVectors | None = None
-    accelerations: WantedVectors | None = None
+    commands: tuple[Channel, ...] = ()
+    """All of one topic and type; so are `accelerations`."""
+    accelerations: tuple[Channel, ...] = ()
     planned: FootChannels | None = None
     """Channels of contacts that a plan has for the same feet."""
     draws_states: bool = False
@@ -176,8 +167,9 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
 
 
 def _add_vectors(part: Part, wanted: Wanted, batch: Batch) -> None:
-    for kind, topic in (("commands", wanted.commands), ("accelerations", wanted.accelerations)):
-        for samples, frames in read_vectors(batch, topic.channels, topic.part) if topic else ():
+    kinds: tuple[MessagePart, ...] = ("commands", "accelerations")
+    for kind, channels in zip(kinds, (wanted.commands, wanted.accelerations), strict=True):
+        for samples, frames in read_vectors(batch, channels, kind):
             part.columns[kind, ONLY].append(samples)
             part.names[kind, ONLY].update(frames)
 
