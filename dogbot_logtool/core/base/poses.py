@@ -17,7 +17,7 @@ from dogbot_logtool.core.arrays import (
     median_of_known,
     picked,
 )
-from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     along_heading,
@@ -210,11 +210,8 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         clock: which time counts; on header stamps zeros are unknown times.
         breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
     """
-    time = clock.of(odometry)
-    usable = usable_poses(odometry)
-    good = usable & ((time != 0) | (clock is TimeSource.LOG))
-    good[good] = advancing(time[good])
-    rows = np.flatnonzero(good)
+    time, usable = clock.of(odometry), usable_poses(odometry)
+    in_time = rows = rows_in_time(odometry, clock, usable)
     fresh = _distinct(odometry, rows)
     rows = rows[fresh]
     longest = steady_gap_ns(np.diff(time[rows]))
@@ -225,7 +222,7 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
     return BaseHistory(
         messages=len(usable),
         not_usable=int((~usable).sum()),
-        not_advancing=int((usable & ~good).sum()),
+        not_advancing=int(usable.sum()) - len(in_time),
         time=time,
         position=kept.position,
         angles=angles,
