@@ -19,7 +19,6 @@ from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
 from dogbot_logtool.reader.messages.source import Source, source_of
 from dogbot_logtool.reader.messages.table import types_of
-from dogbot_logtool.reader.part import WantedVectors
 from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.words import PLANNED, texts_of, word_set
@@ -197,7 +196,7 @@ def joint_channels(log: Log) -> list[Channel]:
 
 def side_topics(
     log: Log, robot: Robot
-) -> tuple[WantedVectors | None, WantedVectors | None, tuple[Finding, ...]]:
+) -> tuple[tuple[Channel, ...], tuple[Channel, ...], tuple[Finding, ...]]:
     """Choose the topics of velocity commands and of the base's inertial unit.
 
     Returns:
@@ -207,7 +206,7 @@ def side_topics(
         CallError: the robot names a topic that the log does not have, or one of a wrong type.
         LogError: the robot names a topic that cannot be decoded.
     """
-    chosen: list[WantedVectors | None] = []
+    chosen: list[tuple[Channel, ...]] = []
     findings = []
     parts: tuple[tuple[Part, str, str | None, str], ...] = (
         ("commands", "command_topic", robot.command_topic, "velocity commands"),
@@ -220,7 +219,7 @@ def side_topics(
         else:
             topics = [each for each in topics if _rank(each.name, part) < _OTHER]
             topics.sort(key=lambda each: _rank(each.name, part))
-        chosen.append(WantedVectors(topics[0].name, topics[0].channels, part) if topics else None)
+        chosen.append(topics[0].channels if topics else ())
         if topics and asked is None:
             best, *others = [each.name for each in topics]
             text = f"{what} are taken from {best}, found by type and name"

@@ -51,9 +51,6 @@ stats TROT --figure x.eps | must end in one of .pdf, .png, .svg
 stats TROT --figure x.svg/ | is a directory's name
 stats TROT --scheduler nonsense | must be an address such as tcp://host:8786
 report TROT --against WALK --join | --join and --against: choose one
-convert TROT -o x.BAG | ends in .bag, but .mcap is written; name it x.mcap
-convert TROT -o memory://out/x.db3 | ends in .db3, but .mcap is written
-report TROT -o x.pdf | ends in .pdf, but .html is written
 check TROT | check needs one of --limits FILE.toml and --suggest
 check TROT --suggest --json | goes with none of the other outputs
 export TROT -o x.xlsx | x.xlsx: must end in .csv, .parquet, .arrow, .feather

@@ -83,7 +83,6 @@ def read(of: Channel, messages: list[bytes]) -> tuple[list[int], dict[int, int]]
         assert how
         poses = Base(how, (of,), base_walks.ELEMENTS.get(of.type_name, "")).read(batch)
         times = [each.poses.log_time for each in poses]
-        malformed = {number: lost for each in poses for number, lost in each.malformed.items()}
     else:
         labels = LABELS.get(package, state_walks.LABELS)
         feet = [
@@ -96,8 +95,7 @@ def read(of: Channel, messages: list[bytes]) -> tuple[list[int], dict[int, int]]
                 each.source.row.pairs or len(feet_in(each.source, each.messages)) <= MOST_ELEMENTS
             )
         times = [each.samples.log_time for each in found]
-        malformed = malformed_in(each.messages for each in found)
-    return [time for own in times for time in own.tolist()], malformed
+    return [time for own in times for time in own.tolist()], malformed_in(batch)
 
 
 DAMAGES: Final[dict[str, Callable[[bytes], bytes]]] = {

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -40,8 +40,8 @@ class BasePoses:
     worlds: tuple[str, ...] = ()
     """Frames that the poses are in, as recorded; also `bases`, the frames that they place."""
     bases: tuple[str, ...] = ()
-    malformed: Mapping[int, int] = field(default_factory=dict)
-    """Messages that could not be decoded, by channel id."""
+    has_stamps: bool = False
+    """Each message has one pose and a stamp."""
 
 
 class Base(NamedTuple):
@@ -166,7 +166,7 @@ def _poses(
         path[0].texts(messages.table)[1].encode()[1] if path else ()
         for path in (source.paths.get("frame"), source.paths.get("body"))
     )
-    return BasePoses(poses, messages.channel[message], worlds, bases, messages.malformed)
+    return BasePoses(poses, messages.channel[message], worlds, bases, source.has_one_stamp)
 
 
 def path_source(channel: Channel, path: str) -> Source:

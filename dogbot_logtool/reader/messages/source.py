@@ -69,9 +69,9 @@ class Source:
         return len(self.row.choose) > 1
 
     @property
-    def has_one_pose(self) -> bool:
-        """Whether each message has one pose and one stamp."""
-        return not self.row.choose and not self._lists("position")
+    def has_one_stamp(self) -> bool:
+        """Whether each message has a stamp, and one pose at most."""
+        return self.has_header and not self.row.choose and not self._lists("position")
 
     def _lists(self, field: str) -> bool:
         return field in self.paths and self.paths[field][0].is_array_of_elements

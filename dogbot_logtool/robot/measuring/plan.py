@@ -203,8 +203,8 @@ def prepare(
     start, end = wanted.limits
     settings = replace(
         settings_of(selection, options),
-        command_topic=wanted.commands.topic if wanted.commands else "",
-        imu_topic=wanted.accelerations.topic if wanted.accelerations else "",
+        command_topic=wanted.commands[0].topic if wanted.commands else "",
+        imu_topic=wanted.accelerations[0].topic if wanted.accelerations else "",
         silent_from=log.start_time if start is None else None,
         silent_until=log.end_time if end is None else None,
     )
