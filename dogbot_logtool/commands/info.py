@@ -164,7 +164,7 @@ def _side_uses(log: Log, selection: Selection) -> dict[int, str]:
     joints = {channel.id: "joints" for channel in joint_channels(log)}
     commands, accelerations, _ = side_topics(log, selection.robot)
     uses = ((commands, "commands"), (accelerations, "accelerometer"))
-    return joints | {channel.id: use for channels, use in uses for channel in channels}
+    return joints | {each.id: use for channels, use in uses for each in channels}
 
 
 def _topics(

@@ -39,7 +39,7 @@ class Wanted(NamedTuple):
     joints: tuple[Channel, ...] = ()
     """Of joint states, the best first."""
     commands: tuple[Channel, ...] = ()
-    """All senders of one topic; likewise `accelerations`."""
+    """All of one topic and type; so are `accelerations`."""
     accelerations: tuple[Channel, ...] = ()
     planned: FootChannels | None = None
     """Channels of contacts that a plan has for the same feet."""
@@ -168,11 +168,8 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
 
 
 def _add_vectors(part: Part, wanted: Wanted, batch: Batch) -> None:
-    sides: tuple[tuple[MessagePart, tuple[Channel, ...]], ...] = (
-        ("commands", wanted.commands),
-        ("accelerations", wanted.accelerations),
-    )
-    for kind, channels in sides:
+    kinds: tuple[MessagePart, ...] = ("commands", "accelerations")
+    for kind, channels in zip(kinds, (wanted.commands, wanted.accelerations), strict=True):
         for samples, frames in read_vectors(batch, channels, kind):
             part.columns[kind, ONLY].append(samples)
             part.names[kind, ONLY].update(frames)

@@ -225,7 +225,7 @@ class _Joined:
             if tables:
                 yield _one_table(topic, tables)
 
-    def _vectors(self, kind: str, wanted: tuple[Channel, ...]) -> VectorTopic | None:
+    def _vectors(self, kind: str, wanted: Sequence[Channel]) -> VectorTopic | None:
         if not wanted:
             return None
         samples = self._take(
