@@ -11,9 +11,9 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Leg, Mass, Triple, leg_motion
 from dogbot_logtool.core.frames.transforms import loops
 from dogbot_logtool.core.legs.joints import JointLimits
-from dogbot_logtool.core.rotations import along_heading, from_roll_pitch_yaw, multiply, rotate
+from dogbot_logtool.core.rotations import along_heading, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
-from dogbot_logtool.robot.names import leg_of, leg_position
+from dogbot_logtool.robot.names import leg_of, leg_order, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
 
 _KINDS: Final = frozenset({"revolute", "continuous", "prismatic", "fixed"})
@@ -276,8 +276,7 @@ def legs_of_robot(
         )
         for name, end in zip(names, feet, strict=True)
     ]
-    order = ("front", "middle", "back", "")
-    legs.sort(key=lambda leg: (order.index((leg.position or ("",))[0]), leg.name))
+    legs.sort(key=lambda leg: leg_order(leg.name, leg.position))
     return tuple(legs), axis
 
 
@@ -392,18 +391,14 @@ def _forward(places: Floats, named: Sequence[LegPosition]) -> str:
 def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> tuple[Mass, ...]:
     """Return the mass that each joint of a leg carries; what hangs on its link does not move."""
     own, masses = {joint.child for joint in leg.joints}, []
+    hanging = {link: [each for each in on if each.child not in own] for link, on in below.items()}
     first = next(row for row, joint in enumerate(leg.joints) if joint.kind != "fixed")
     for row, joint in enumerate(leg.joints[first:], first):
-        hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
         total, moment = 0.0, np.zeros(3)
-        for link, place, turn in hanging:  # which grows
-            mass = robot.links.get(link, Link())
-            total += mass.mass_kg
-            moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
-            for each in below.get(link, ()):
-                if each.child not in own:
-                    there = place + rotate(turn, np.array([each.translation]))
-                    hanging.append((each.child, there, multiply(turn, np.array([each.rotation]))))
+        for path in _paths(hanging, joint.child):
+            link = robot.links.get(path[-1].child if path else joint.child, Link())
+            centre = leg_motion(Leg(path, point=link.centre), np.zeros((1, len(path)))).foot[0]
+            total, moment = total + link.mass_kg, moment + link.mass_kg * centre
         if total:
             x, y, z = (moment / total).tolist()
             masses.append(Mass(row, total, (x, y, z)))

@@ -18,10 +18,7 @@ from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.commands.test_convert import codes, converted
 from tests.measured import walk_of
 from tests.oracles import recorded, walks
-from tests.oracles.annotated_file import (
-    read_written,
-    written_transforms,
-)
+from tests.oracles.annotated_file import read_written, written_transforms
 from tests.oracles.conversion import xyz
 from tests.oracles.frames import Frames, turn_of
 from tests.oracles.recorded import S

@@ -278,12 +278,3 @@ def test_a_table_of_very_many_parts_has_those_that_differ(files: tuple[Path, Pat
     lines = done.stdout.splitlines()
     assert [line.split()[0] for line in lines[1:4]] == ["part", "k7", "k30000"]
     assert lines[4] == "... and 49998 more, 0 of them different"
-
-
-def test_very_many_topics_take_no_longer_than_their_number(files: tuple[Path, Path]) -> None:
-    kinds = {f"/t{number}": JSON for number in range(4_000)}
-    for path, left_out in zip(files, ("", "/t77"), strict=True):
-        recording(kinds, *((t, 0, b"1") for t in kinds if t != left_out)).write(path)
-    done = run(*files, "--ignore", "/nothing", timeout=60)
-    assert done.returncode == 1
-    assert "/t77[0] t=0.000 s: missing" in done.stdout

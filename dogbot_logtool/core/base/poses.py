@@ -1,6 +1,5 @@
 """Poses of the base: as recorded, as a history at up to 100 Hz, and without jumps."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
@@ -12,7 +11,6 @@ from dogbot_logtool.core.arrays import (
     Floats,
     Ints,
     all_finite,
-    concatenated,
     header_time,
     interpolated,
     median_of,
@@ -20,7 +18,7 @@ from dogbot_logtool.core.arrays import (
     middles,
     picked,
 )
-from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     along_heading,
@@ -62,16 +60,6 @@ def no_odometry() -> Odometry:
     times: Ints = np.empty(0, np.int64)
     vectors, quaternions = np.empty((0, 3)), np.empty((0, 4))
     return Odometry(times, times, vectors, quaternions, vectors)
-
-
-def concatenate_odometry(parts: Sequence[Odometry]) -> Odometry:
-    """Join messages of several senders, in the order of their log times."""
-    if len(parts) == 1:
-        return parts[0]
-    if not parts:
-        return no_odometry()
-    joined = concatenated(parts)
-    return joined.pick(np.argsort(joined.log_time, kind="stable"))
 
 
 def scaled(odometry: Odometry, metres: float) -> Odometry:
@@ -223,11 +211,8 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         clock: which time counts; on header stamps zeros are unknown times.
         breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
     """
-    time = clock.of(odometry)
-    usable = usable_poses(odometry)
-    good = usable & ((time != 0) | (clock is TimeSource.LOG))
-    good[good] = advancing(time[good])
-    rows = np.flatnonzero(good)
+    time, usable = clock.of(odometry), usable_poses(odometry)
+    in_time = rows = rows_in_time(odometry, clock, usable)
     fresh = _distinct(odometry, rows)
     rows = rows[fresh]
     longest = steady_gap_ns(np.diff(time[rows]))
@@ -238,7 +223,7 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
     return BaseHistory(
         messages=len(usable),
         not_usable=int((~usable).sum()),
-        not_advancing=int((usable & ~good).sum()),
+        not_advancing=int(usable.sum()) - len(in_time),
         time=time,
         position=kept.position,
         angles=angles,

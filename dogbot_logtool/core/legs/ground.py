@@ -30,12 +30,8 @@ from dogbot_logtool.core.base.leg_odometry import (
     LegOdometry,
     leg_odometry,
 )
-from dogbot_logtool.core.clock import (
-    TimeSource,
-    first_at_each_tick,
-)
+from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion
-from dogbot_logtool.core.legs.joints import usable_rows
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.timespans import covers
 
@@ -85,13 +81,16 @@ def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoi
         text = f"joint states of {table.topic} do not tell of {', '.join(lacking)}"
         raise ValueError(f"{text}, which the robot description has")
     samples = table.samples.only(np.array([table.names.index(name) for name in names]))
-    told = np.flatnonzero(all_finite(samples.position))
-    rows, time = usable_rows(table, told, TimeSource.HEADER)
-    kept = first_at_each_tick(time, RATE_HZ)
-    rows, time = rows[kept], time[kept]
+    rows = rows_in_time(samples, TimeSource.HEADER, all_finite(samples.position))
+    rows = rows[first_at_each_tick(samples.stamp[rows], RATE_HZ)]
     if len(rows) < FEWEST:
         raise ValueError("too few joint states tell the positions of all joints of the legs")
-    values = samples.log_time[rows], time, samples.position[rows], samples.effort[rows]
+    values = (
+        samples.log_time[rows],
+        samples.stamp[rows],
+        samples.position[rows],
+        samples.effort[rows],
+    )
     return LegJoints(tuple(names), table.topic, *values)
 
 
@@ -321,7 +320,6 @@ def loaded_feet(vertical: Floats, weight_n: float, ground: FeetOnGround) -> Flag
     """
     share = weight_n / vertical.shape[1]
     on, off = vertical >= LOADED * share, vertical < UNLOADED * share
-    on[:1] |= ~off[:1]
     return latched(on & ~ground.fast, off | ground.fast)
 
 

@@ -25,9 +25,8 @@ from dogbot_logtool.core.base.ground import (
 from dogbot_logtool.core.clock import (
     ClockDifference,
     TimeSource,
-    advancing,
-    check_stamps,
     first_at_each_tick,
+    rows_in_time,
 )
 from dogbot_logtool.core.frames import kinematics
 from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track
@@ -154,7 +153,8 @@ def joint_tracks(
             recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
             key = recorded.tobytes()
             if key not in used:
-                used[key] = usable_rows(table, np.flatnonzero(recorded), clock)
+                rows = rows_in_time(samples, clock, recorded)
+                used[key] = rows, clock.of(samples)[rows]
             rows, time = used[key]
             if len(rows) and name not in found:
                 position, velocity, effort = (
@@ -167,17 +167,6 @@ def joint_tracks(
                 foot = settings.foot_of_joint.get(name)
                 found[name] = track._replace(foot=foot, follows=name in following)
     return dict(sorted(found.items()))
-
-
-def usable_rows(table: JointTable, rows: Ints, clock: TimeSource) -> tuple[Ints, Ints]:
-    """Return those of some messages whose time is later than all before, and these times, ns."""
-    log_time, stamp = table.samples.log_time[rows], table.samples.stamp[rows]
-    good = np.ones(len(rows), np.bool_)
-    if clock is TimeSource.HEADER:
-        good = check_stamps(table.topic, stamp, log_time).usable.copy()
-    time = clock.of(table.samples)[rows]
-    good[good] = advancing(time[good])
-    return rows[good], time[good]
 
 
 def _track(

@@ -202,8 +202,8 @@ class RecordLog(Log):
             self._losses.append(Loss(offset, what, rest, None))
         return self.source.size
 
-    def _take_chunk(self, chunk: Chunk, derived_end: int) -> int:
-        """Take a chunk whose header has been read; return where to go on.
+    def _take_chunk(self, chunk: Chunk, derived_end: int) -> int | None:
+        """Take a chunk whose header has been read; return where to go on, None if it is none.
 
         Args:
             chunk: the chunk; its end may be beyond the file's.
@@ -217,6 +217,9 @@ class RecordLog(Log):
             end = min(chunk.end, size)
             is_plain = not chunk.is_compressed and 0 <= chunk.end - derived_end < _LARGEST_PADDING
             if chunk.end > size and not is_plain:
+                if not (chunk.is_compressed or chunk.crc):
+                    # Its messages are found one by one.
+                    return None
                 # It is cut off, or its length is damaged.
                 end = next_sound(self._format, self.source.read, chunk.data_offset, size)
         known = chunk._replace(end=end, index_end=end)

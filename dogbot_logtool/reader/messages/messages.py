@@ -1,8 +1,10 @@
 """From the messages of a batch to decoded tables: all channels of one definition in one go."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from itertools import chain
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -75,13 +77,12 @@ def decode_channels(
     return list(batch.decoded[wanted])
 
 
-def malformed_in(decoded: Iterable[DecodedMessages]) -> dict[int, int]:
-    """Return the number of messages that could not be decoded, by channel id.
-
-    Args:
-        decoded: messages of different channels.
-    """
-    return {channel: count for messages in decoded for channel, count in messages.malformed.items()}
+def malformed_in(batch: Batch) -> Counter[int]:
+    """Return how many messages could not be decoded, by channel id; once, however often read."""
+    found: Counter[int] = Counter()
+    for messages in chain.from_iterable(batch.decoded.values()):
+        found |= Counter(messages.malformed)
+    return found
 
 
 def _decode(batch: Batch, decoder: _Decoder, ids: list[int]) -> DecodedMessages | None:
