@@ -203,7 +203,7 @@ def instants(
     margin = np.where(placed, margin_in(hull, body[:, :2]), np.nan)
     pressure = centre_of_pressure(points[:, :, :2], load)
     away = pressure - base.position_at(time)[:, :2]
-    ahead, left = along_heading(away, base.yaw_at(time) + forward_rad)
+    ahead, left = along_heading(away, base.yaw_at(time) + forward_rad).T
     return Instants(
         extent=np.array([[min(times), max(times)]], np.int64),
         known=known,
