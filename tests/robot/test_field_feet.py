@@ -10,15 +10,15 @@ import pytest
 
 from tests import forked_cli
 from tests.forked_cli import command
+from tests.oracles import walks
+from tests.oracles.definitions import CELLS
 from tests.oracles.field_logs import (
-    CELLS,
     DUTY,
     PERIOD_S,
     WEIGHT_N,
     four_cells_a_foot,
     is_down,
     load_n,
-    odd_walk,
     six_feet,
     six_feet_in_two,
     write,
@@ -81,7 +81,7 @@ def test_six_feet_on_unusual_topics_take_two_commands(
 @pytest.fixture(scope="module")
 def states(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One message of all feet: arrays of messages, of numbers, and wrenches."""
-    walk = odd_walk()
+    walk = walks.Walk(2)
 
     def samples(time_s: float) -> Samples:
         loads = [load_n(time_s, foot) for foot in range(6)]
