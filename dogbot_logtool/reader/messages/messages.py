@@ -21,7 +21,7 @@ from dogbot_logtool.reader.decode.definition import (
     parse_definition,
 )
 from dogbot_logtool.reader.decode.message_layout import Layout, compile_layout
-from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS, as_ros1, object_definition, only
+from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS, as_ros1, object_definition
 from dogbot_logtool.reader.decode.paths import Columns
 
 SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cdr"}
@@ -134,9 +134,8 @@ def _decoder(channel: Channel, columns: Columns) -> _Decoder:
     encoding = channel.message_encoding
     if encoding not in OBJECT_ENCODINGS:
         return _Decoder(compile_layout(definition, SERIALISATIONS[encoding], columns))
-    read = only(definition, columns)
-    layout = compile_layout(read, "ros1", None)
-    return _Decoder(layout, partial(as_ros1, channel.type_name, encoding, definition=read))
+    layout = compile_layout(definition, "ros1", columns)
+    return _Decoder(layout, partial(as_ros1, channel.type_name, encoding, definition=definition))
 
 
 def described(channel: Channel) -> tuple[Struct, str]:
