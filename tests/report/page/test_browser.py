@@ -23,10 +23,9 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 import dogbot_logtool as dl
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.report.documents import stats_json
 from tests import forked_cli
+from tests.measured import measured
 from tests.paths import TROT, TROUBLED
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -138,8 +137,7 @@ def trot_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def trot_json() -> Any:
-    measured = measure(TROT, MeasureOptions())
-    return json.loads(json.dumps(stats_json(measured)))
+    return json.loads(json.dumps(stats_json(measured(TROT))))
 
 
 MARKS: Final = {
