@@ -27,12 +27,11 @@ def filled(record: type, prefix: str = "") -> dict[str, Any]:
 
 def test_every_key_is_written_and_read() -> None:
     given = filled(Robot) | filled(Foot, "feet.one.") | filled(FootField, "feet.one.")
-    robot = parse_robot(
-        "\n".join(f"{key} = {json.dumps(each)}" for key, each in given.items()), "x"
-    )
+    text = "\n".join(f"{key} = {json.dumps(value)}" for key, value in given.items())
+    robot = parse_robot(text, "mine.toml")
     (foot,) = robot.feet
     assert foot.field is not None
-    written = {}
+    written: dict[str, str] = {}
     for record, prefix in ((robot, ""), (foot, "feet.one."), (foot.field, "feet.one.")):
         written |= {prefix + key: text for key, text in toml_values(record).items()}
     assert {key: tomllib.loads(f"x = {text}")["x"] for key, text in written.items()} == given
