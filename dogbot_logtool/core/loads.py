@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Integral, Ints, trapezoids
+from dogbot_logtool.core.arrays import Floats, Integral, Ints, integral
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
@@ -173,8 +173,7 @@ def fore_aft_ns(foot: FootHistory, heading: Floats) -> Floats:
     x, y = np.nan_to_num(track.horizontal_force).T
     along = x * np.cos(heading[known])[stance] + y * np.sin(heading[known])[stance]
     parts = np.stack([np.maximum(-along, 0.0), np.maximum(along, 0.0)], axis=1)
-    total = Integral(track.time, trapezoids(np.diff(track.time) / 1e9, parts))
-    impulses[:, known] = total.added(begin, end).T
+    impulses[:, known] = integral(track.time, parts).added(begin, end).T
     return impulses
 
 

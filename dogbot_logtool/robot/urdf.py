@@ -269,8 +269,7 @@ def legs_of_robot(
         raise ValueError(f"the robot description {text}")
     places = np.array([end.place for end in feet])
     axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
-    along = along_heading(places, np.array(FORWARD_ANGLES[axis]))
-    names = leg_names(np.column_stack([*along, places[:, 2]]))
+    names = leg_names(along_heading(places, FORWARD_ANGLES[axis]))
     legs = [
         end.leg._replace(
             name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
@@ -383,7 +382,7 @@ def _forward(places: Floats, named: Sequence[LegPosition]) -> str:
     about = places - places.mean(axis=0)
 
     def fit(axis: str) -> float:
-        forth, aside = along_heading(about, np.array(FORWARD_ANGLES[axis]))
+        forth, aside, _ = along_heading(about, FORWARD_ANGLES[axis]).T
         return float(ahead @ np.sign(forth) + left @ np.sign(aside))
 
     return max(FORWARD_ANGLES, key=lambda axis: (round(fit(axis), 6), axis == "+x"))
