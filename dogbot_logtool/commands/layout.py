@@ -40,7 +40,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         robot = load_robot(options.robot or "dogbot")
         topics, guessed = options.foot or {}, options.robot is None
         robot = assign_feet(robot, topics, frozenset(), guessed=guessed)
-        robot = with_settings(robot, options.set).with_mass(options.mass)
+        robot = with_settings(robot, options)
         return _view(robot, robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE)
     with closing(open_recorded(log)) as opened:
         given = {each.name: getattr(options, each.name) for each in fields(RobotOptions)}
@@ -51,7 +51,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         shape = robot_shape(walk)
         return view._replace(
             peak_n=_peak_n(recording.feet) or view.peak_n,
-            forward_axis=shape.forward_axis,
+            forward_axis=settings.forward_axis,
             size_m=shape.size_m,
             turned_deg=turned_deg(recording),
             has_stamps=not zero_stamps(recording, settings),

@@ -231,10 +231,9 @@ def _sensor_faults(walk: Walk, row: int) -> Iterator[Event]:
         limit = float(np.nanmax(figures.peak_force_n))
         first, last = np.flatnonzero(figures.peak_force_n >= AT_LIMIT * limit)[[0, -1]].tolist()
         yield fault(int(stances.touchdown[first]), int(stances.liftoff[last]), "SATURATED", limit)
-    for stance in np.flatnonzero(foot.has_spikes & foot.stances.whole).tolist():
-        onset, end = int(stances.touchdown[stance]), int(stances.liftoff[stance])
-        at = onset + round(float(figures.spike_phase[stance]) * (end - onset))
-        yield fault(at, at, "SPIKES", float(figures.peak_force_n[stance]))
+    for spike in foot.spikes.tolist():
+        at = int(record.track.time[spike])
+        yield fault(at, at, "SPIKES", float(record.track.force[spike]))
 
 
 def _slips(walk: Walk, row: int, stumbles: Sequence[float]) -> Iterator[Event]:

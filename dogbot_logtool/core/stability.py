@@ -219,7 +219,7 @@ def _at(
     margin = np.where(placed, margin_in(hull, body[:, :2]), np.nan)
     pressure = centre_of_pressure(points[:, :, :2], load)
     away = pressure - base.position_at(time)[:, :2]
-    ahead, left = along_heading(away, base.yaw_at(time) + forward_rad)
+    ahead, left = along_heading(away, base.yaw_at(time) + forward_rad).T
     return (
         placed,
         margin,

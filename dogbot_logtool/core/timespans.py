@@ -40,7 +40,7 @@ def hold_window(spans: Ints, time: Ints, before_ns: int | Ints, after_ns: int | 
         after_ns: ns from there to its end, likewise.
     """
     if len(spans) == 0:
-        return np.zeros(len(time), np.bool_)
+        return np.zeros(time.shape, np.bool_)
     row = np.searchsorted(spans[:, 0], time - before_ns, side="right") - 1
     held: Flags = (row >= 0) & (time + after_ns <= spans[np.maximum(row, 0), 1])
     return held

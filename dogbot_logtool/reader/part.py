@@ -11,7 +11,7 @@ from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_f
 from dogbot_logtool.core.recording import Times, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.messages.bases import Base, BasePoses
+from dogbot_logtool.reader.messages.bases import BasePoses, read_base
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
@@ -23,32 +23,24 @@ from dogbot_logtool.reader.messages.others import (
     read_transforms,
     read_vectors,
 )
+from dogbot_logtool.reader.messages.source import Topic
 
 TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
-
-
-class WantedVectors(NamedTuple):
-    """A topic of vectors, with all of its senders."""
-
-    topic: str
-    channels: tuple[Channel, ...]
-    """All of one type."""
-    part: MessagePart
-    """What is read of its messages."""
 
 
 class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
     feet: FootChannels
-    base: Base | None = None
+    base: Topic | None = None
     """How the base's poses are read; None: there are none."""
     transforms: tuple[Channel, ...] = ()
     joints: tuple[Channel, ...] = ()
     """Of joint states, the best first."""
-    commands: WantedVectors | None = None
-    accelerations: WantedVectors | None = None
+    commands: tuple[Channel, ...] = ()
+    """All of one topic and type; so are `accelerations`."""
+    accelerations: tuple[Channel, ...] = ()
     planned: FootChannels | None = None
     """Channels of contacts that a plan has for the same feet."""
     draws_states: bool = False
@@ -89,7 +81,7 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     part = Part(losses=batch.losses)
     for channel, rows in rows_by_group(batch.messages.channel):
         part.columns["times", channel].append(batch.messages.log_time[rows])
-    for poses in wanted.base.read(batch) if wanted.base else ():
+    for poses in read_base(wanted.base, batch) if wanted.base else ():
         _add_poses(part, log, poses)
     for kind, feet in (("feet", wanted.feet), ("planned", wanted.planned)):
         for read in read_contacts(batch, feet) if feet else ():
@@ -176,8 +168,9 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
 
 
 def _add_vectors(part: Part, wanted: Wanted, batch: Batch) -> None:
-    for kind, topic in (("commands", wanted.commands), ("accelerations", wanted.accelerations)):
-        for samples, frames in read_vectors(batch, topic.channels, topic.part) if topic else ():
+    kinds: tuple[MessagePart, ...] = ("commands", "accelerations")
+    for kind, channels in zip(kinds, (wanted.commands, wanted.accelerations), strict=True):
+        for samples, frames in read_vectors(batch, channels, kind):
             part.columns[kind, ONLY].append(samples)
             part.names[kind, ONLY].update(frames)
 

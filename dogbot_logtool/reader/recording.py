@@ -22,11 +22,11 @@ from dogbot_logtool.core.recording import (
     VectorTopic,
 )
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.part import ONLY, Key, Part, Wanted, WantedVectors, read_part
+from dogbot_logtool.reader.part import ONLY, Key, Part, Wanted, read_part
 from dogbot_logtool.reader.workers import in_order
 
 if TYPE_CHECKING:
@@ -225,8 +225,8 @@ class _Joined:
             if tables:
                 yield _one_table(topic, tables)
 
-    def _vectors(self, kind: str, wanted: WantedVectors | None) -> VectorTopic | None:
-        if wanted is None:
+    def _vectors(self, kind: str, wanted: Sequence[Channel]) -> VectorTopic | None:
+        if not wanted:
             return None
         samples = self._take(
             kind, ONLY, VectorSamples(_NO_NUMBERS, _NO_NUMBERS, *np.empty((2, 0, 3)))

@@ -41,7 +41,7 @@ convert no_such.bag | no_such.bag: no such file
 convert . | is a directory, not a log file, and holds no logs
 stats 'runs/*.bag' | runs/*.bag: no file has such a name
 stats '' | an empty name names no log
-stats TROT --start 5 --end 2 | --end 2 is not after --start 5; it lasts from 0 to
+stats TROT --start 5 --end 2 | --start 5 --end 2: the log has no messages there; it lasts from 0 to
 stats TROT --set contact_on=20 | did you mean contact_on_n
 stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE
 stats TROT --set command_topic=/none | command_topic: the log has no topic /none

@@ -98,7 +98,7 @@ def every_third_is_quick(kinds: Iterable[str]) -> list[Any]:
 @pytest.mark.parametrize("kind", every_third_is_quick(state_walks.KINDS))
 def test_the_file_has_the_feet_of_messages_of_all_feet(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "walk.mcap"
-    entries = state_walks.messages(kind)
+    entries = [*StateWalk(2).messages(kind)]
     walks.write_mcap(path, StateWalk(2), entries[: len(entries) // 2])
     without, with_file = figures(path, MeasureOptions()), figures_with_file(path)
     assert with_file["feet"] == without["feet"]

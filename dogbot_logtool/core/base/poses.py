@@ -15,9 +15,10 @@ from dogbot_logtool.core.arrays import (
     interpolated,
     median_of,
     median_of_known,
+    middles,
     picked,
 )
-from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
 from dogbot_logtool.core.quality import steady_gap_ns
 from dogbot_logtool.core.rotations import (
     along_heading,
@@ -148,9 +149,9 @@ class BaseHistory:
             forward_rad: from the body's x axis to the axis that points forward.
         """
         yaw = self.angles[:, 2]
-        heading = (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad
+        heading = middles(yaw) + forward_rad
         displacement = along_heading(np.diff(self.position[:, :2], axis=0), heading)
-        return np.stack([*displacement, np.diff(yaw)])
+        return np.stack([*displacement.T, np.diff(yaw)])
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.
@@ -210,11 +211,8 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         clock: which time counts; on header stamps zeros are unknown times.
         breaks: (b, 2) ns, spans that nothing is measured across, as if they were gaps.
     """
-    time = clock.of(odometry)
-    usable = usable_poses(odometry)
-    good = usable & ((time != 0) | (clock is TimeSource.LOG))
-    good[good] = advancing(time[good])
-    rows = np.flatnonzero(good)
+    time, usable = clock.of(odometry), usable_poses(odometry)
+    in_time = rows = rows_in_time(odometry, clock, usable)
     fresh = _distinct(odometry, rows)
     rows = rows[fresh]
     longest = steady_gap_ns(np.diff(time[rows]))
@@ -225,7 +223,7 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
     return BaseHistory(
         messages=len(usable),
         not_usable=int((~usable).sum()),
-        not_advancing=int((usable & ~good).sum()),
+        not_advancing=int(usable.sum()) - len(in_time),
         time=time,
         position=kept.position,
         angles=angles,
@@ -368,20 +366,13 @@ def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:
     turns = np.where(_follows(base, jumps), jumps.turn_rad, 0.0)
     turned = np.concatenate([[0.0], np.cumsum(turns)])
     after = base.position[jumps.rows + 1]
-    moves = _turned(after - jumps.size_m, turned[:-1]) - _turned(after, turned[1:])
+    moves = along_heading(after - jumps.size_m, turned[:-1]) - along_heading(after, turned[1:])
     moved = np.concatenate([np.zeros((1, 3)), np.cumsum(moves, axis=0)])
     passed = np.searchsorted(jumps.rows, np.arange(len(base.time)) - 1, side="right")
     angles = base.angles.copy()
     angles[:, 2] -= np.concatenate([[0.0], np.cumsum(jumps.turn_rad)])[passed]
-    position = _turned(base.position, turned[passed]) + moved[passed]
+    position = along_heading(base.position, turned[passed]) + moved[passed]
     return replace(base, position=position, angles=angles)
-
-
-def _turned(position: Floats, turn_rad: Floats) -> Floats:
-    """(n, 3) m, turned back about the vertical."""
-    x, y, z = position.T
-    cos, sin = np.cos(turn_rad), np.sin(turn_rad)
-    return np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=1)
 
 
 def _follows(base: BaseHistory, jumps: PoseJumps) -> Flags:

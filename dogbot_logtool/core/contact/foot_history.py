@@ -35,6 +35,7 @@ from dogbot_logtool.core.contact.stances import (
     StanceFigures,
     Stances,
     foot_track,
+    lone_spikes,
     stance_figures,
 )
 
@@ -118,6 +119,8 @@ class FootHistory:
     """(n,) whether each sample of `track` is in a stance."""
     scuffs: Ints = field(default_factory=timespans.no_spans)
     """(u, 2) ns, short and light touches in swings; no stances."""
+    spikes: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    """(s,) samples of `track` that are faults of the sensor; left out of the stances' figures."""
 
     def contact_fraction(self, within: Ints = timespans.ALWAYS) -> float | None:
         """Return time in contact over time known; None where nothing is known.
@@ -136,6 +139,7 @@ class FootHistory:
             self,
             has_force=False,
             stances=self.stances._replace(figures=nothing),
+            spikes=self.spikes[:0],
         )
 
     def stopped_in(self, spans: Ints) -> "FootHistory":
@@ -222,7 +226,9 @@ def foot_history(
     if contact[-1:].any():
         cut[-1:] = Cut.LOG_END
     cut[starts == 0] = Cut.LOG_START
-    figures = stance_figures(samples, track, starts, ends, rule.on_n)
+    spikes = lone_spikes(track, starts, ends)
+    calm = track.without(spikes) if len(spikes) else track
+    figures = stance_figures(samples, calm, starts, ends, rule.on_n)
     history = FootHistory(
         messages=messages,
         not_finite=not_finite,
@@ -240,6 +246,7 @@ def foot_history(
         track=track,
         down=rows_in_stances(starts, ends, contact),
         scuffs=scuffs,
+        spikes=spikes,
     )
     return history if has_force else history.without_force()
 

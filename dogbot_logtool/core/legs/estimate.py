@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -9,14 +10,13 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
-    Ints,
     all_finite,
     flagged_runs,
     mean_of_known,
     median_of,
 )
 from dogbot_logtool.core.base.leg_odometry import (
-    LONG_S,
+    LONG_NS,
     Inertial,
     LegOdometry,
     bridged,
@@ -31,7 +31,9 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import find_stances, rows_in_stances
 from dogbot_logtool.core.frames.kinematics import Leg, leg_motion
 from dogbot_logtool.core.legs.ground import (
+    BOUNCE,
     FEWEST,
+    LONGEST_BOUNCE_S,
     FeetOnGround,
     LegJoints,
     at_rest,
@@ -58,8 +60,8 @@ more in all gaits of a physics engine."""
 FEWEST_IN_STRIDE: Final = 16
 """Joint states in a stride, at least: with fewer, speeds may be off by a third."""
 _BY_FEET: Final = "the feet alone"
-TURNS_S: Final = 0.1
-"""s before and after a time, over which turns by the feet are averaged."""
+_TURNS_NS: Final = 100_000_000
+"""ns before and after a time, over which turns by the feet are averaged."""
 
 
 class Estimate(NamedTuple):
@@ -106,9 +108,8 @@ def estimate(
     force, why = _forces(feet, mass_kg)
     standing = feet.resting
     if not why:
-        vertical = np.einsum("nfi,ni->nf", force, feet.inertial.up)
-        standing = loaded_feet(vertical, (mass_kg or 0.0) * GRAVITY_MPS2, feet)
-    standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
+        standing = loaded_feet(feet.upwards(force), (mass_kg or 0.0) * GRAVITY_MPS2, feet)
+    standing = np.stack([*map(partial(_debounced, joints), standing.T, feet.resting.T)], axis=1)
     moved = feet.odometry(standing)
     if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
         raise ValueError(why_not)
@@ -133,11 +134,11 @@ def estimate(
 
 def _turned_by_feet(feet: FeetOnGround) -> FeetOnGround:
     """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
-    seconds, standing = feet.joints.seconds, feet.low()
-    between = (seconds[1:] + seconds[:-1]) / 2.0
+    time, standing = feet.joints.time, feet.low()
+    between = time[:-1] + np.diff(time) // 2
     for _ in range(2):
-        rates = bridged(feet.turn_by(standing), between)
-        turn = means(between, rates, seconds, TURNS_S)
+        rates = bridged(feet.turn_by(standing), (between - time[0]) / 1e9)
+        turn = means(between, rates, time, _TURNS_NS)
         feet = feet._replace(inertial=feet.inertial._replace(turn=turn))
         feet = at_rest(feet, feet.low())
         standing = feet.resting
@@ -191,15 +192,13 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
     readings = recording.accelerations
     if readings is not None:
         read, times = readings.samples, readings.samples.stamp
-        reach = round(LONG_S * 1e9)
-        near = (times >= joints.time[0] - reach) & (times <= joints.time[-1] + reach)
+        near = (times >= joints.time[0] - LONG_NS) & (times <= joints.time[-1] + LONG_NS)
         rows = np.flatnonzero(near & all_finite(read.vector) & all_finite(read.turn_rate))
         rows = rows[advancing(times[rows])]
         if len(rows) >= FEWEST:
-            seconds = (times[rows] - joints.time[0]) / 1e9
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
-            return inertial_at(joints.seconds, seconds, felt, turn, GRAVITY_MPS2), "a gyroscope"
-    return level(len(joints.time), GRAVITY_MPS2), _BY_FEET
+            return inertial_at(joints.time, times[rows], felt, turn), "a gyroscope"
+    return level(len(joints.time)), _BY_FEET
 
 
 def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
@@ -208,13 +207,16 @@ def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
     if not (np.isfinite(effort).all() and effort.any()):
         return none, "efforts are empty or zero"
     force = ground_forces(feet)
-    vertical = np.einsum("nfi,ni->nf", force, feet.inertial.up)
-    why = effort_fault(vertical, None if mass_kg is None else mass_kg * GRAVITY_MPS2)
+    weight_n = None if mass_kg is None else mass_kg * GRAVITY_MPS2
+    why = effort_fault(feet.upwards(force), weight_n)
     return (none if why else force), why
 
 
-def _debounced(time: Ints, standing: Flags) -> Flags:
-    begin, end, _, _ = find_stances(time, standing, SHORTEST_S)
+def _debounced(joints: LegJoints, standing: Flags, resting: Flags) -> Flags:
+    """(n,) when a foot stands, also while it bounces at touchdown."""
+    swings = np.diff(joints.seconds[flagged_runs(~resting) - [0, 1]])
+    bounce_s = min(BOUNCE * float(median_of(swings)), LONGEST_BOUNCE_S) if len(swings) else 0.0
+    begin, end, _, _ = find_stances(joints.time, standing, SHORTEST_S, bounce_s)
     return rows_in_stances(begin, end, standing)
 
 
@@ -230,12 +232,9 @@ def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     if inertial.tells_up:
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
         moved = feet.odometry(middles(standing))
-    yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
-    moved = moved._replace(turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
-    own = inertial.felt - GRAVITY_MPS2 * inertial.up
-    found = dead_reckoned(moved, inertial.roll_pitch, own)
+    found = dead_reckoned(moved, inertial)
     position = found.position.copy()
-    height = np.where(standing, -np.einsum("nfi,ni->nf", feet.points, inertial.up), np.nan)
+    height = np.where(standing, -feet.upwards(feet.points), np.nan)
     position[:, 2] = bridged(mean_of_known(height)[:, None], joints.seconds)[:, 0]
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, joints.seconds, axis=0)
     return Odometry(joints.log_time, joints.time, position, turned, rate)

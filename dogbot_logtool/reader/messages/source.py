@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -81,6 +82,26 @@ class Source:
         if not self.has_header or self._lists("stamp"):
             return np.zeros(len(messages.log_time), np.int64)
         return self.paths["stamp"][0].times(messages.table)
+
+
+class Topic(NamedTuple):
+    """A topic that tells of a part of a walk, and how its messages are read."""
+
+    source: Source
+    channels: tuple[Channel, ...]
+    """At least one, all of one definition."""
+    element: str = ""
+    """Which of the poses in a message: a model, a link, a pair of frames; empty: the only one."""
+
+    @property
+    def topic(self) -> str:
+        """The topic."""
+        return self.channels[0].topic
+
+    @property
+    def name(self) -> str:
+        """The topic with the element, as ``--odom-topic`` takes them."""
+        return f"{self.topic}:{self.element}" if self.element else self.topic
 
 
 def decoded_by(
