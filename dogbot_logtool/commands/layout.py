@@ -51,7 +51,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         shape = robot_shape(walk)
         return view._replace(
             peak_n=_peak_n(recording.feet) or view.peak_n,
-            forward_axis=shape.forward_axis,
+            forward_axis=settings.forward_axis,
             size_m=shape.size_m,
             turned_deg=turned_deg(recording),
             has_stamps=not zero_stamps(recording, settings),
