@@ -60,6 +60,11 @@ FEWEST_IN_STRIDE: Final = 16
 _BY_FEET: Final = "the feet alone"
 TURNS_S: Final = 0.1
 """s before and after a time, over which turns by the feet are averaged."""
+STILL_S: Final = 1.0
+"""s in which a robot whose joints move by less than `STILL_RAD` stands, and does not turn."""
+STILL_RAD: Final = 0.01
+LARGEST_BIAS_RADPS: Final = 0.05
+"""What a gyroscope reads at rest, at most; more is a turn."""
 
 
 class Estimate(NamedTuple):
@@ -198,8 +203,26 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
         if len(rows) >= FEWEST:
             seconds = (times[rows] - joints.time[0]) / 1e9
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
+            turn -= _bias(joints, seconds, turn)
             return inertial_at(joints.seconds, seconds, felt, turn, GRAVITY_MPS2), "a gyroscope"
     return level(len(joints.time), GRAVITY_MPS2), _BY_FEET
+
+
+def _bias(joints: LegJoints, seconds: Floats, turn: Floats) -> Floats:
+    """(3,) rad/s that a gyroscope reads while the robot stands, as far as it does.
+
+    Args:
+        joints: of the legs.
+        seconds: (m,) s, of the readings.
+        turn: (m, 3) rad/s.
+    """
+    second = joints.seconds // STILL_S
+    starts = np.flatnonzero(np.diff(second, prepend=-1.0))
+    highest = np.maximum.reduceat(joints.position, starts)
+    moved = (highest - np.minimum.reduceat(joints.position, starts)).max(axis=1)
+    still = np.isin(seconds // STILL_S, second[starts][moved < STILL_RAD])
+    bias = turn[still].mean(axis=0) if still.any() else np.zeros(3)
+    return np.where(np.abs(bias) < LARGEST_BIAS_RADPS, bias, 0.0)
 
 
 def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
@@ -229,7 +252,7 @@ def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     joints, inertial = feet.joints, feet.inertial
     if inertial.tells_up:
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
-        moved = feet.odometry(middles(standing))
+        moved = feet.odometry(middles(joints.seconds, standing))
     yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
     moved = moved._replace(turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
     own = inertial.felt - GRAVITY_MPS2 * inertial.up
