@@ -74,10 +74,8 @@ def usable_poses(odometry: Odometry) -> Flags:
     Returns:
         (n,) bool.
     """
-    finite = all_finite(odometry.position)
-    finite &= all_finite(odometry.orientation)
-    turned: Flags = (odometry.orientation != 0.0).any(axis=1)
-    return finite & turned
+    finite = all_finite(odometry.position) & all_finite(odometry.orientation)
+    return np.asarray(finite & (odometry.orientation != 0.0).any(axis=1))
 
 
 POSE_RATE_HZ: Final = 100.0
