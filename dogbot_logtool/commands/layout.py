@@ -52,7 +52,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         shape = robot_shape(walk)
         return view._replace(
             peak_n=_peak_n(recording.feet) or view.peak_n,
-            forward_axis=shape.forward_axis,
+            forward_axis=settings.forward_axis,
             size_m=shape.size_m,
             turned_deg=degrees(walk.base_history.angles[:1, 2].sum()),
             has_stamps=not zero_stamps(recording, settings),
