@@ -52,11 +52,8 @@ def clocks_differ(walk: Walk) -> Iterator[Finding]:
             continue
         case = "base" if each.topic == base_topic else "feet"
         case = case if each.topic in walk.clocks_apart else "little"
-        steady_s = max(each.jitter_s, 0.5 * abs(each.behind_s))
-        drifts = f", drifting by {each.drift_s:+.3f} s over the log"
-        drifts = drifts if abs(each.drift_s) > steady_s else ""
         seconds, way = abs(each.behind_s), "behind" if each.behind_s > 0.0 else "ahead of"
-        words: Words = {"topic": each.topic, "seconds": seconds, "way": way, "drifts": drifts}
+        words: Words = {"topic": each.topic, "seconds": seconds, "way": way}
         yield found("CLOCK_OFFSET", case, feet=feet, clock=each, **words)
     if delay is not None:
         seconds, way = abs(delay.delay_s), "after" if delay.delay_s > 0.0 else "before"
