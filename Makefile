@@ -8,6 +8,7 @@ BIN := $(VENV)/bin
 CONSTRAINTS := .ci/constraints.txt
 DEMO := demo_output
 TRIES := 40
+SEED := $(shell date +%s)
 MUTANTS := 60
 PAGE := dogbot_logtool/report/page
 PLOTTING := plotly.js-basic-dist-min@4.1.1
@@ -88,8 +89,7 @@ fuzz: $(VENV)/dev
 	$(BIN)/python -m pytest -q --numprocesses=auto --hypothesis-profile=fuzz tests/reader/test_fuzz.py -k random_harm
 
 torture: $(VENV)/dev
-	$(BIN)/python -m tests.torture.signals --tries $(TRIES)
-	$(BIN)/python -m tests.torture.commands
+	TRIES=$(TRIES) SEED=$(SEED) $(BIN)/python -m pytest -m slow tests/torture
 
 mutants: $(VENV)/dev
 	@$(BIN)/python -m pip install --quiet --editable '.[dev,mutants]' --constraint $(CONSTRAINTS)

@@ -1,7 +1,9 @@
 """The command, run in a folder of its own: exit code, stdout, stderr."""
 
 import json
+import os
 import signal
+import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +12,7 @@ from typing import Any
 import pytest
 
 from dogbot_logtool.cli import main
+from tests.paths import ROOT
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -23,6 +26,21 @@ class Outcome:
     @property
     def json(self) -> Any:
         return json.loads(self.out)
+
+
+def python(*words: object, folder: Path = ROOT, **environment: str) -> Outcome:
+    """Run Python in a process of its own, which can import what we can."""
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, *map(str, words)],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120.0,
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    return Outcome(done.returncode, done.stdout, done.stderr)
 
 
 class Shell:

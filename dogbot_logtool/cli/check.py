@@ -25,7 +25,7 @@ def run(options: Check) -> NoReturn:
         _suggest(call, options)
     limits = read_limits(options.limits, options.baseline)
     logs, options = call.joined_logs(options)
-    junit = output_file(options.junit, ".xml", logs.paths, overwrite=options.overwrite)
+    junit = output_file(options.junit, logs.paths, overwrite=options.overwrite)
     checked: dict[str, list[Judgement]] = {}
     for done in call.measured(logs, options):
         name = done.json["log"]["path"]

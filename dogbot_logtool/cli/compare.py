@@ -41,7 +41,7 @@ def _compare_files(call: Call, options: Compare) -> NoReturn:
     from dogbot_logtool.io.printable import printable  # noqa: PLC0415
 
     expected, actual = Path(options.expected), Path(options.actual)
-    junit = output_file(options.junit, ".xml", (expected, actual), overwrite=options.overwrite)
+    junit = output_file(options.junit, (expected, actual), overwrite=options.overwrite)
     comparison = compare(expected, actual, options)
     for damage in comparison.damage:
         call.add_damage(damage)

@@ -30,7 +30,7 @@ def run(options: Export) -> NoReturn:
     if options.dataset is not None:
         _dataset(call, logs, options, options.dataset)
     output = None if options.output == "-" else options.output
-    target = output_file(output, "", logs.paths, overwrite=options.overwrite)
+    target = output_file(output, logs.paths, overwrite=options.overwrite)
     if target is None:
         if options.overwrite:
             raise CallError("--overwrite goes with -o FILE")

@@ -46,7 +46,7 @@ def _new(options: Robots, log: Path, *others: Path) -> NoReturn:
     from dogbot_logtool.io.output import output_file  # noqa: PLC0415
 
     call = Call(options)
-    target = output_file(options.output, ".toml", (log, *others), overwrite=options.overwrite)
+    target = output_file(options.output, (log, *others), overwrite=options.overwrite)
     stem = (target or log).stem
     name = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_") or "robot"
     measuring = replace(part_of(options, MeasureOptions), joined=others)

@@ -17,7 +17,7 @@ def run(options: Stats) -> NoReturn:
     """Measure logs, and print what they come to."""
     call = Call(options)
     logs, options = call.joined_logs(options)
-    target = output_file(options.figure, "", logs.paths, overwrite=options.overwrite)
+    target = output_file(options.figure, logs.paths, overwrite=options.overwrite)
     if target is not None:
         from dogbot_logtool.commands.plot import refuse_bad_figure  # noqa: PLC0415
 

@@ -4,15 +4,14 @@ One clock serves all feet and the base, since phases and support compare feet wi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from enum import StrEnum
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import AnyColumns, Flags, Floats, Ints, distinct, median_of
+from dogbot_logtool.core.arrays import Flags, Floats, Ints, distinct, median_of
 
 SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval between messages is never a gap."""
@@ -209,13 +208,18 @@ def _judged(stamp: Ints, log_time: Ints) -> tuple[Flags, Ints]:
     return ahead, begins_anew
 
 
-def without_bad_stamps(columns: AnyColumns, check: StampCheck) -> AnyColumns:
-    """Return columns with zero for header stamps that cannot be used."""
-    if check.usable.all():
-        return columns
-    own: Any = columns
-    changed: AnyColumns = replace(own, stamp=np.where(check.usable, own.stamp, 0))
-    return changed
+def rows_in_time(columns: Stamped, clock: TimeSource, usable: Flags) -> Ints:
+    """(k,) rows of messages whose time can be used, and is later than all before.
+
+    Args:
+        columns: of n messages, in the order of the log.
+        clock: which time counts.
+        usable: (n,) which messages can be used.
+    """
+    rows = np.flatnonzero(usable)
+    if clock is TimeSource.HEADER:
+        rows = rows[check_stamps("", columns.stamp[rows], columns.log_time[rows]).usable]
+    return rows[advancing(clock.of(columns)[rows])]
 
 
 def why_unusable(checks: Sequence[StampCheck]) -> str:

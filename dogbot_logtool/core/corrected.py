@@ -1,7 +1,7 @@
 """Correct the columns of a recording: one clock, sensors' offsets, silences, frames of forces."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -25,7 +25,6 @@ from dogbot_logtool.core.clock import (
     offset_track,
     why_clocks_cannot_be_joined,
     why_unusable,
-    without_bad_stamps,
 )
 from dogbot_logtool.core.contact.contacts import Samples, with_swings
 from dogbot_logtool.core.contact.filtered import find_filters, without_filter
@@ -35,10 +34,9 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
     Counts,
     KnownFrames,
-    WorldFrames,
     known_frames,
 )
-from dogbot_logtool.core.quality import TopicQuality, TopicTimes, topic_quality, topic_times
+from dogbot_logtool.core.quality import TopicQuality, topic_quality
 from dogbot_logtool.core.recording import JointTable, Recording, VectorTopic, has_own_stamps
 from dogbot_logtool.core.rotations import conjugate, multiply, normalised, rotate
 from dogbot_logtool.core.sensors import with_sensors, without_offset
@@ -57,8 +55,8 @@ class Corrected(NamedTuple):
     settings: WalkSettings
     """With the clock that is used, how sensors read, and the frame of the forces."""
     frames: KnownFrames
-    turned: tuple[WorldFrames, Counts] | None
-    """How forces and positions were turned into the world; None: none was to be."""
+    turned: Counts
+    """How many forces and positions were turned into the world; empty: none was to be."""
     feet: tuple[FootHistory, ...]
     places: tuple[FootPath | None, ...]
     """Of each foot in the base's axes, where its messages tell that."""
@@ -84,18 +82,11 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
         recording: columns as recorded.
         settings: what is known before they are looked at.
     """
-    times = {
-        topic: topic_times(topic, each.log_time, each.stamp)
-        for topic, each in recording.topics.items()
-        if len(each.log_time)
-    }
     named = [foot.topic for foot in settings.feet]
-    stamped = {topic: each for topic, each in times.items() if each.has_stamps}
-    measured = sorted({*named, settings.odometry_topic} & stamped.keys())
-    offsets = {topic: offset_track(*stamped[topic].usable()) for topic in measured}
+    offsets = _offsets(recording, {*named, settings.odometry_topic})
     clocks = clock_differences(offsets, named)
-    base_check = _check(settings.odometry_topic or "the odometry", recording.base)
-    checks = [*map(_check, named, recording.feet), base_check]
+    checks = [*map(_check, named, recording.feet)]
+    checks.append(_check(settings.odometry_topic or "the odometry", recording.base))
     # One clock serves all feet and the base, since phases and support compare them.
     if settings.time_source is None:
         why = why_unusable(checks) or why_clocks_cannot_be_joined(clocks)
@@ -110,7 +101,7 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
     samples, places, turned = _corrected_samples(recording, settings, frames)
     feet = tuple(
         foot_history(
-            without_bad_stamps(own, _check(foot.topic, own)) if on_stamps else own,
+            own,
             foot.rule,
             settings.clock,
             breaks,
@@ -119,8 +110,7 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
         )
         for foot, own in zip(settings.feet, samples, strict=True)
     )
-    poses = without_bad_stamps(recording.base, base_check) if on_stamps else recording.base
-    base = base_history(poses, settings.clock, breaks)
+    base = base_history(recording.base, settings.clock, breaks)
     leaning = leaning_walk_rad(base, feet)
     behind = offsets.get(settings.odometry_topic)
     return Corrected(
@@ -134,7 +124,7 @@ def correct(recording: Recording, settings: WalkSettings) -> Corrected:
         leaning_rad=leaning,
         clocks=clocks if on_stamps else (),
         joint_clocks=_joint_clocks(recording.joints, offsets, named) if on_stamps else (),
-        topics=_topic_qualities(settings, times, feet),
+        topics=_topic_qualities(recording, settings, feet),
         commands=_vectors(settings, settings.command_topic, recording.commands, behind),
         inertial=_vectors(settings, settings.imu_topic, recording.accelerations, behind),
     )
@@ -149,6 +139,18 @@ def usable_samples(recording: Recording, settings: WalkSettings) -> tuple[Sample
         for foot, each in zip(settings.feet, recording.feet, strict=True)
     ]
     return tuple(each if usable.all() else each.pick(usable) for each, usable in checked)
+
+
+def _offsets(recording: Recording, topics: Collection[str]) -> dict[str, OffsetTrack]:
+    """Return how far the stamps of some topics lie behind log time, where they have any."""
+    found = {}
+    for topic, times in sorted(recording.topics.items()):
+        if topic in topics and times.stamp is not None:
+            check = check_stamps(topic, times.stamp, times.log_time)
+            if check.mostly_usable:
+                rows = check.usable
+                found[topic] = offset_track(times.log_time[rows], times.stamp[rows])
+    return found
 
 
 def _check(topic: str, columns: Samples | Odometry) -> StampCheck:
@@ -203,12 +205,12 @@ def _corrected_samples(
 ) -> tuple[
     tuple[Samples, ...],
     tuple[FootPath | None, ...],
-    tuple[WorldFrames, Counts] | None,
+    Counts,
 ]:
     """Take off offsets, fill swings in, turn forces and places into the world.
 
     Returns:
-        samples and places of each foot, and how they were turned, as in `Corrected`.
+        samples and places of each foot, and how many were turned, as in `Corrected`.
     """
     feet = [
         without_offset(own, foot) for foot, own in zip(settings.feet, recording.feet, strict=True)
@@ -232,14 +234,14 @@ def _corrected_samples(
     turning = frames.follow(links, frames.in_base(settings))
     if turning is not None:
         samples, counts = turning.place(feet)
-        return samples, tuple(places), (turning, counts)
+        return samples, tuple(places), counts
     if not settings.contact_from:
         # Nothing turns these places into the world.
         feet = [
             replace(own, position=np.full_like(own.position, np.nan)) if path else own
             for own, path in zip(feet, places, strict=True)
         ]
-    return tuple(feet), tuple(places), None
+    return tuple(feet), tuple(places), {}
 
 
 def _vectors(
@@ -254,7 +256,7 @@ def _vectors(
 
 
 def _topic_qualities(
-    settings: WalkSettings, times: Mapping[str, TopicTimes], feet: Sequence[FootHistory]
+    recording: Recording, settings: WalkSettings, feet: Sequence[FootHistory]
 ) -> tuple[TopicQuality, ...]:
     """Return the timing of all topics; a swing is no gap of a sensor that is silent in swing.
 
@@ -266,8 +268,9 @@ def _topic_qualities(
             gaps.setdefault(foot.topic, []).append(record.gaps)
     silences = {topic: timespans.intersect(spans) for topic, spans in gaps.items()}
     return tuple(
-        topic_quality(each, settings.clock, silences.get(topic))
-        for topic, each in sorted(times.items())
+        topic_quality(topic, each.log_time, each.stamp, settings.clock, silences.get(topic))
+        for topic, each in sorted(recording.topics.items())
+        if len(each.log_time)
     )
 
 

@@ -6,10 +6,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Integral, Ints, trapezoids
+from dogbot_logtool.core.arrays import Floats, Integral, Ints, integral
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.sensor import varies
-from dogbot_logtool.core.contact.stances import Stances
 from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
 NEAR_ZERO: Final = 1e-9
@@ -157,11 +156,14 @@ def fore_aft_ns(foot: FootHistory, heading: Floats) -> Floats:
 
     Returns:
         (2, stances) N s, at least 0, what slows the robot, and what drives it forward; NaN where
-        direction or heading is not known.
+        direction or heading is not known, or the force has lone spikes.
     """
     track, stances = foot.track, foot.stances
     impulses = np.full((2, len(heading)), np.nan)
     known = np.isfinite(heading) & np.isfinite(stances.figures.mean_vertical_force_n)
+    # A spike may be as large as all that brakes.
+    spikes = track.time[foot.spikes]
+    known &= np.searchsorted(spikes, stances.touchdown) == np.searchsorted(spikes, stances.liftoff)
     if not known.any():
         return impulses
     before = np.maximum(np.searchsorted(track.time, stances.touchdown[known]) - 1, 0)
@@ -172,8 +174,7 @@ def fore_aft_ns(foot: FootHistory, heading: Floats) -> Floats:
     x, y = np.nan_to_num(track.horizontal_force).T
     along = x * np.cos(heading[known])[stance] + y * np.sin(heading[known])[stance]
     parts = np.stack([np.maximum(-along, 0.0), np.maximum(along, 0.0)], axis=1)
-    total = Integral(track.time, trapezoids(np.diff(track.time) / 1e9, parts))
-    impulses[:, known] = total.added(begin, end).T
+    impulses[:, known] = integral(track.time, parts).added(begin, end).T
     return impulses
 
 
@@ -206,8 +207,6 @@ def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool)
     Returns:
         (n, 2) ns, neighbouring strides joined.
     """
-    if len(strides) == 0:
-        return timespans.no_spans()
     known = _known_to_all(feet, vertical=vertical)
     unknown = timespans.subtract(timespans.merge(strides), known)
     broken = timespans.touches(unknown, strides[:, 0] + 1, strides[:, 1] - 1)
@@ -328,28 +327,6 @@ def mean_impulses(feet: Sequence[FootHistory], impulse: str, time: Ints, half_ns
     """
     totals: list[Integral] = [getattr(foot.track, impulse) for foot in feet]
     return np.concatenate([each.mean(time, 2 * half_ns) for each in totals], axis=1)
-
-
-SAME_PHASE: Final = 0.05
-"""Share of a stance within which spikes of several stances are at the same phase."""
-RECURS: Final = 0.2
-"""Share of stances with a spike at the same phase from which it is an impact."""
-FEWEST_IMPACTS: Final = 3
-
-
-def has_lone_spikes(stances: Stances) -> Flags:
-    """(n,) tell which stances have spikes that are a fault of the sensor.
-
-    A single sample that stands out of its stance may be real: an impact recurs at the same phase
-    of many stances, a fault comes at random.
-    """
-    phase = stances.figures.spike_phase
-    ordered = np.sort(phase[np.isfinite(phase)])
-    near = np.searchsorted(ordered, phase + SAME_PHASE, side="right")
-    near -= np.searchsorted(ordered, phase - SAME_PHASE, side="left")
-    recurring = near >= max(FEWEST_IMPACTS, RECURS * int(stances.whole.sum()))
-    lone: Flags = np.isfinite(phase) & ~recurring
-    return lone
 
 
 LARGEST_FOOT_M: Final = 0.3

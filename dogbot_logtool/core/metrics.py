@@ -309,13 +309,13 @@ class Foot(Record):
     peak_force_bw: Annotated[Spread, Of("BW", "contact", "force", "weight", "strides")]
     """peak_force_n over the body weight."""
     mean_force_n: Annotated[Spread, Of("N", "contact", "force", "strides")]
-    """Mean |F| of a stance without lone spikes."""
+    """Mean |F| of a stance; lone spikes are left out."""
     peak_vertical_force_n: Annotated[Spread, Of("N", *_VERTICAL, "strides")]
     """Largest vertical force of a stance, upwards in the world; lone spikes are left out."""
     peak_vertical_force_bw: Annotated[Spread, Of("BW", *_VERTICAL, "weight", "strides")]
     """peak_vertical_force_n over the body weight."""
     mean_vertical_force_n: Annotated[Spread, Of("N", *_VERTICAL, "strides")]
-    """Mean vertical force of a stance without lone spikes."""
+    """Mean vertical force of a stance; lone spikes are left out."""
     vertical_impulse_ns: Annotated[Number, Of("N s", *_VERTICAL)]
     """Integral of the vertical force over all time known."""
     braking_impulse_ns: Annotated[Spread, Of("N s", *_VERTICAL, "base", "strides")]

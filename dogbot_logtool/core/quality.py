@@ -10,7 +10,6 @@ from dogbot_logtool.core.clock import (
     GAP_INTERVALS,
     SILENCE_NS,
     ClockStep,
-    StampCheck,
     TimeSource,
     check_stamps,
     first_at_each_tick,
@@ -143,70 +142,44 @@ class TopicQuality(NamedTuple):
         return None if None in kinds else sum(each or 0 for each in kinds)
 
 
-class TopicTimes(NamedTuple):
-    """When the messages of a topic were logged, and what their headers say."""
-
-    topic: str
-    log_time: Ints
-    """(n,) ns, in the order of the log."""
-    stamp: Ints | None
-    """(n,) ns, header stamps as recorded; None where messages have no header."""
-    check: StampCheck | None
-    """Of the stamps; None without any."""
-
-    @property
-    def has_stamps(self) -> bool:
-        """Whether most messages have header stamps that can be used."""
-        return self.check is not None and self.check.mostly_usable
-
-    def usable(self) -> tuple[Ints, Ints]:
-        """Return log times and stamps, ns, of the messages with stamps that can be used."""
-        if self.stamp is None or self.check is None:
-            return np.empty(0, np.int64), np.empty(0, np.int64)
-        return self.log_time[self.check.usable], self.stamp[self.check.usable]
-
-
-def topic_times(topic: str, log_time: Ints, stamp: Ints | None) -> TopicTimes:
-    """Check the times of a topic's messages.
-
-    Args:
-        topic: its name.
-        log_time: (n,) ns, in the order of the log.
-        stamp: (n,) ns, header stamps; None for messages without a header.
-    """
-    check = None if stamp is None else check_stamps(topic, stamp, log_time)
-    return TopicTimes(topic, log_time, stamp, check)
-
-
 def topic_quality(
-    times: TopicTimes, clock: TimeSource, silences: Ints | None = None
+    topic: str,
+    log_time: Ints,
+    stamp: Ints | None,
+    clock: TimeSource,
+    silences: Ints | None = None,
 ) -> TopicQuality:
     """Measure the timing of one topic.
 
     Args:
-        times: of at least one message.
+        topic: its name.
+        log_time: (n,) ns, at least one, in the order of the log.
+        stamp: (n,) ns, header stamps as recorded; None of messages without a header.
         clock: the clock that the log is measured on; a topic whose messages have no usable
             header stamps is measured on log time all the same.
         silences: (g, 2) ns, its gaps, where these are known better than from its messages' times.
     """
-    log_time, stamp = times.usable()
-    used = clock if times.has_stamps else TimeSource.LOG
-    time = stamp if used is TimeSource.HEADER else times.log_time
-    step, log_step = np.diff(time), np.diff(times.log_time)
+    check = None if stamp is None else check_stamps(topic, stamp, log_time)
+    used, time, offset, drift, steps = TimeSource.LOG, log_time, None, None, None
+    if stamp is not None and check is not None:
+        # Zeros are no stamps that repeat or step back.
+        steps = np.diff(stamp[stamp > 0])
+        if check.mostly_usable:
+            used, stamps = clock, stamp[check.usable]
+            time = stamps if clock is TimeSource.HEADER else log_time
+            offset, drift = _offset(log_time[check.usable], stamps)
+    step, log_step = np.diff(time), np.diff(log_time)
     gaps = step[step > gap_ns(usual_interval_ns(step))]
     if silences is not None:
         gaps = silences[:, 1] - silences[:, 0]
-    # Zeros are no stamps that repeat or step back.
-    steps = None if times.stamp is None else np.diff(times.stamp[times.stamp > 0])
-    number, span = len(times.log_time) - 1, int(time.max()) - int(time.min())
-    offset, drift = _offset(log_time, stamp) if times.has_stamps else (None, None)
-    check, intervals = times.check, step[step > 0]
+    number, span = len(log_time) - 1, int(time.max()) - int(time.min())
+    intervals = step[step > 0]
     middle, high, longest = None, None, None
     if len(intervals):
         middle, high, longest = (percentiles_of(intervals, (50.0, 95.0, 100.0)) / 1e9).tolist()
     return TopicQuality(
-        topic=times.topic,
-        messages=len(times.log_time),
+        topic=topic,
+        messages=len(log_time),
         clock=used,
         first=int(time.min()),
         last=int(time.max()),

@@ -172,7 +172,7 @@ def _foot_quality(walk: Walk, row: int) -> metrics.FootQuality:
         metrics.FootQuality,
         foot.record,
         discarded_strides=dict(foot.discarded),
-        spikes=foot.spikes,
+        spikes=len(foot.spikes),
         force_offset_n=None if level.reason else tuple(level.offset_n.tolist()),
         force_noise_n=level.noise_n,
         force_drift_n_per_min=level.drift_n_per_min,

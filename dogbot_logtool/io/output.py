@@ -7,11 +7,10 @@ uploaded as one object, which is there when the store has all of it.
 
 import contextlib
 import os
-import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io import storage
@@ -19,12 +18,6 @@ from dogbot_logtool.io.storage import Location
 
 if TYPE_CHECKING:
     from upath import UPath
-
-_KNOWN: Final = re.compile(
-    r"\.(7z|active|bag|bz2|csv|db3|gif|gz|html?|jpe?g|json|lz4|mcap|parquet|pdf|png|rviz|svg|tar|tgz|"
-    r"toml|txt|xml|xz|ya?ml|zip|zstd?)"
-)
-"""Suffixes that promise a format."""
 
 
 def refuse_bad_target(
@@ -180,9 +173,7 @@ def output_at(word: str | None, ending: str, *, several: bool) -> Output:
     is_on_disk = isinstance(path, Path)
     if word.endswith(("/", os.sep)) or (is_on_disk and storage.is_folder(path)):
         return Output(path, is_folder=True)
-    suffix = ending[ending.rfind(".") :]
-    _refuse_other_format(path, suffix)
-    is_named_so = suffix != "" and path.suffix == suffix
+    is_named_so = ending != "" and path.suffix == Path(ending).suffix
     if not is_named_so and (several or not is_on_disk):
         return Output(path, is_folder=True)
     if is_on_disk and not path.parent.exists():
@@ -200,38 +191,25 @@ def may_be_several(words: Sequence[str], logs: Sequence[Location]) -> bool:
 
 
 def output_file(
-    word: str | None, suffix: str, inputs: Sequence[Location] = (), *, overwrite: bool
+    word: str | None, inputs: Sequence[Location] = (), *, overwrite: bool
 ) -> Path | None:
     """Return the file that -o names; None: none, which is stdout.
 
     Args:
         word: as given.
-        suffix: of what is written; empty: the caller looks after it.
         inputs: what is read.
         overwrite: whether a file that is there may be replaced.
 
     Raises:
-        CallError: the word names no file, promises another format, or the file may not be written;
-            see `refuse_bad_target`.
+        CallError: the word names no file, or the file may not be written; see `refuse_bad_target`.
     """
     if word is None:
         return None
-    path, is_folder = output_at(word, suffix, several=False)
+    path, is_folder = output_at(word, "", several=False)
     if is_folder or not isinstance(path, Path):
         raise CallError(f"{word}: is a directory's name, or a URL; name a file of this disk")
     refuse_bad_target(path, inputs, overwrite=overwrite)
     return path
-
-
-def _refuse_other_format(target: Location, suffix: str) -> None:
-    """Refuse a name whose suffix promises another format than that of `suffix`."""
-    promised = target.suffix.lower()
-    if suffix and _KNOWN.fullmatch(promised) and promised != suffix:
-        name = f"{target.stem.removesuffix(suffix)}{suffix}"
-        raise CallError(
-            f"{storage.name_of(target)}: the name ends in {promised}, but {suffix} is written; "
-            f"name it {name}"
-        )
 
 
 def targets(

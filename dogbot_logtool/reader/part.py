@@ -1,55 +1,46 @@
 """A part of a log as columns: some neighbouring chunks, read and decoded in any process."""
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from dogbot_logtool.core.arrays import Ints, rows_by_group
-from dogbot_logtool.core.base.poses import concatenate_odometry
 from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_foot
 from dogbot_logtool.core.recording import Times, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.messages.bases import Base, BasePoses
+from dogbot_logtool.reader.messages.bases import BasePoses, read_base
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.message_type import Part as MessagePart
+from dogbot_logtool.reader.messages.messages import malformed_in
 from dogbot_logtool.reader.messages.others import (
     is_static,
     read_joints,
     read_transforms,
     read_vectors,
 )
+from dogbot_logtool.reader.messages.source import Topic
 
 TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
-
-
-class WantedVectors(NamedTuple):
-    """A topic of vectors, with all of its senders."""
-
-    topic: str
-    channels: tuple[Channel, ...]
-    """All of one type."""
-    part: MessagePart
-    """What is read of its messages."""
 
 
 class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
     feet: FootChannels
-    base: Base | None = None
+    base: Topic | None = None
     """How the base's poses are read; None: there are none."""
     transforms: tuple[Channel, ...] = ()
     joints: tuple[Channel, ...] = ()
     """Of joint states, the best first."""
-    commands: WantedVectors | None = None
-    accelerations: WantedVectors | None = None
+    commands: tuple[Channel, ...] = ()
+    """All of one topic and type; so are `accelerations`."""
+    accelerations: tuple[Channel, ...] = ()
     planned: FootChannels | None = None
     """Channels of contacts that a plan has for the same feet."""
     draws_states: bool = False
@@ -83,11 +74,6 @@ class Part:
     the others."""
     losses: tuple[Loss, ...] = ()
 
-    def add_malformed(self, malformed: Mapping[int, int]) -> None:
-        """Count messages that could not be decoded, by channel id; once, however often read."""
-        for channel, count in malformed.items():
-            self.counts["malformed", channel] = max(count, self.counts["malformed", channel])
-
 
 def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     """Decode some chunks that were read."""
@@ -95,45 +81,46 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     part = Part(losses=batch.losses)
     for channel, rows in rows_by_group(batch.messages.channel):
         part.columns["times", channel].append(batch.messages.log_time[rows])
-    base = _add_base(part, wanted, batch)
-    contacts = read_contacts(batch, wanted.feet)
-    for read in contacts:
-        _add_contacts(part, read, len(wanted.feet.feet))
-        if wanted.draws_states and read.pairs is not None:
-            _add_arrows(part, read.pairs.contacts)
-    planned = read_contacts(batch, wanted.planned) if wanted.planned else []
-    for read in planned:
-        _add_samples(part, "planned", read.samples, len(wanted.feet.feet))
-    for topic, stamps in _stamped(log, wanted, base, [*contacts, *planned]):
-        part.columns["stamps", topic].append(stamps)
+    for poses in read_base(wanted.base, batch) if wanted.base else ():
+        _add_poses(part, log, poses)
+    for kind, feet in (("feet", wanted.feet), ("planned", wanted.planned)):
+        for read in read_contacts(batch, feet) if feet else ():
+            _add_samples(part, kind, read.samples, len(wanted.feet.feet))
+            if read.source.has_header:
+                stamps = read.source.stamps(read.messages)
+                _add_stamps(part, log, read.messages.channel, read.messages.log_time, stamps)
+            if kind == "feet":
+                _add_contacts(part, read, wanted)
     _add_transforms(part, wanted, batch, whole)
-    for kind, vectors in (("commands", wanted.commands), ("accelerations", wanted.accelerations)):
-        if vectors is not None:
-            samples, frames, malformed = read_vectors(batch, vectors.channels, vectors.part)
-            part.columns[kind, ONLY].append(samples)
-            part.names[kind, ONLY].update(frames)
-            part.add_malformed(malformed)
-    _add_joints(part, batch, wanted)
+    _add_vectors(part, wanted, batch)
+    _add_joints(part, wanted, batch)
+    malformed = malformed_in(batch) | malformed_in(whole)
+    part.counts.update({("malformed", number): count for number, count in malformed.items()})
     return part
 
 
-def _add_base(part: Part, wanted: Wanted, batch: Batch) -> list[BasePoses]:
-    base = wanted.base.read(batch) if wanted.base else []
-    poses, implausible = plausible(concatenate_odometry([each.poses for each in base]))
+def _add_stamps(part: Part, log: Log, channel: Ints, log_time: Ints, stamp: Ints) -> None:
+    """Add the times of messages with a header, by topic."""
+    for number, rows in rows_by_group(channel):
+        topic = log.channels[number].topic
+        part.columns["stamps", topic].append(Times(log_time[rows], stamp[rows]))
+
+
+def _add_poses(part: Part, log: Log, read: BasePoses) -> None:
+    poses, implausible = plausible(read.poses)
     part.columns["base", ONLY].append(poses)
     part.counts["implausible", ONLY] += implausible
-    for each in base:
-        part.names["worlds", ONLY].update(each.worlds)
-        part.names["bases", ONLY].update(each.bases)
-        part.add_malformed(each.malformed)
-    return base
+    part.names["worlds", ONLY].update(read.worlds)
+    part.names["bases", ONLY].update(read.bases)
+    if read.has_stamps:
+        _add_stamps(part, log, read.channel, poses.log_time, poses.stamp)
 
 
-def _add_contacts(part: Part, read: ReadContacts, feet: int) -> None:
+def _add_contacts(part: Part, read: ReadContacts, wanted: Wanted) -> None:
+    """Add what is read of measured contacts beside their samples."""
     samples, pairs = read.samples, read.pairs
-    _add_samples(part, "feet", samples, feet)
     lag = np.full(len(samples.foot), UNTIMED) if pairs is None else pairs.lag
-    for foot in range(feet):
+    for foot in range(len(wanted.feet.feet)):
         part.columns["lags", foot].append(lag[samples.foot == foot])
     for foot, names in read.links.items():
         part.names["links", foot].update(names)
@@ -142,7 +129,8 @@ def _add_contacts(part: Part, read: ReadContacts, feet: int) -> None:
         part.columns["steps", ONLY].append(pairs.step)
         part.counts["untimed_messages", ONLY] += pairs.untimed_messages
         part.counts["foreign_states", ONLY] += pairs.foreign_states
-    part.add_malformed(read.messages.malformed)
+        if wanted.draws_states:
+            _add_arrows(part, pairs.contacts)
 
 
 def _add_arrows(part: Part, contacts: Contacts) -> None:
@@ -170,37 +158,25 @@ def _add_transforms(part: Part, wanted: Wanted, batch: Batch, whole: Batch) -> N
     """Add transforms; those that hold for ever do so within the limits, too, wherever they are."""
     static = [channel for channel in wanted.transforms if is_static(channel)]
     moving = [channel for channel in wanted.transforms if not is_static(channel)]
-    for each in (
+    for found, slashed in (
         *read_transforms(batch, moving, static=False),
         *read_transforms(whole, static, static=True),
     ):
-        found, slashed, malformed = each
         for edge, transforms in found.items():
             part.columns["transforms", edge].append(transforms)
         part.names["slashed", ONLY].update(slashed)
-        part.add_malformed(malformed)
 
 
-def _add_joints(part: Part, batch: Batch, wanted: Wanted) -> None:
+def _add_vectors(part: Part, wanted: Wanted, batch: Batch) -> None:
+    kinds: tuple[MessagePart, ...] = ("commands", "accelerations")
+    for kind, channels in zip(kinds, (wanted.commands, wanted.accelerations), strict=True):
+        for samples, frames in read_vectors(batch, channels, kind):
+            part.columns[kind, ONLY].append(samples)
+            part.names[kind, ONLY].update(frames)
+
+
+def _add_joints(part: Part, wanted: Wanted, batch: Batch) -> None:
     for channel in wanted.joints:
-        for read, malformed in read_joints(batch, channel):
-            part.add_malformed(malformed)
+        for read in read_joints(batch, channel):
             if read.names and len(read.samples.log_time):
                 part.columns["joints", (read.topic, read.names)].append(read.samples)
-
-
-def _stamped(
-    log: Log, wanted: Wanted, base: Sequence[BasePoses], contacts: Sequence[ReadContacts]
-) -> Iterator[tuple[str, Times]]:
-    """Yield the times of messages with a header, by topic."""
-    timed: list[tuple[Ints, Ints, Ints]] = []
-    source = wanted.base.source if wanted.base else None
-    if source is not None and source.has_header and source.has_one_pose:
-        timed += [(each.channel, each.poses.log_time, each.poses.stamp) for each in base]
-    for read in contacts:
-        if read.source.has_header:
-            messages = read.messages
-            timed.append((messages.channel, messages.log_time, read.source.stamps(messages)))
-    for channels, log_time, stamp in timed:
-        for channel, rows in rows_by_group(channels):
-            yield log.channels[channel].topic, Times(log_time[rows], stamp[rows])

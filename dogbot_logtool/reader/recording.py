@@ -22,7 +22,7 @@ from dogbot_logtool.core.recording import (
     VectorTopic,
 )
 from dogbot_logtool.errors import LogtoolError
-from dogbot_logtool.reader.containers.log import Batch, Chunk, Log, Span
+from dogbot_logtool.reader.containers.log import Batch, Channel, Chunk, Log, Span
 from dogbot_logtool.reader.containers.loss import Loss
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
 from dogbot_logtool.reader.messages.others import is_static
@@ -185,8 +185,8 @@ class _Joined:
             },
             slashed_frames=frozenset(names["slashed", ONLY]),
             joints=tuple(self._joints()),
-            commands=self._vectors("commands"),
-            accelerations=self._vectors("accelerations"),
+            commands=self._vectors("commands", self._wanted.commands),
+            accelerations=self._vectors("accelerations", self._wanted.accelerations),
             topics=self._topics(log, times),
             implausible=counts["implausible", ONLY],
             untimed_messages=counts["untimed_messages", ONLY],
@@ -225,10 +225,13 @@ class _Joined:
             if tables:
                 yield _one_table(topic, tables)
 
-    def _vectors(self, kind: str) -> VectorTopic | None:
-        samples: VectorSamples | None = self._take(kind, ONLY, None)
-        frames = tuple(sorted(self._whole.names[kind, ONLY]))
-        return None if samples is None else VectorTopic(in_time_order(samples), frames)
+    def _vectors(self, kind: str, wanted: Sequence[Channel]) -> VectorTopic | None:
+        if not wanted:
+            return None
+        samples = self._take(
+            kind, ONLY, VectorSamples(_NO_NUMBERS, _NO_NUMBERS, *np.empty((2, 0, 3)))
+        )
+        return VectorTopic(in_time_order(samples), tuple(sorted(self._whole.names[kind, ONLY])))
 
     def _topics(self, log: Log, times: Mapping[int, Ints]) -> dict[str, Times]:
         """Return the times of all topics."""

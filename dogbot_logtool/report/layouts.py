@@ -172,19 +172,13 @@ def rviz_config(view: View) -> Json:
     return config
 
 
-class Viewer(NamedTuple):
-    """One viewer."""
-
-    suffix: str
-    """Suffix of its files."""
-    content: Callable[[View], Json]
-
-    def layout(self, view: View) -> bytes:
-        """Return the content of its file: JSON, which is YAML, too."""
-        return (to_json(self.content(view), indent=2) + "\n").encode()
-
-
-VIEWERS: Final[Mapping[str, Viewer]] = {
-    "foxglove": Viewer(".json", foxglove_layout),
-    "rviz": Viewer(".rviz", rviz_config),
+VIEWERS: Final[Mapping[str, Callable[[View], Json]]] = {
+    "foxglove": foxglove_layout,
+    "rviz": rviz_config,
 }
+"""What a viewer's file holds."""
+
+
+def layout_file(viewer: str, view: View) -> bytes:
+    """Return the content of a viewer's file: JSON, which is YAML, too."""
+    return (to_json(VIEWERS[viewer](view), indent=2) + "\n").encode()

@@ -41,7 +41,7 @@ convert no_such.bag | no_such.bag: no such file
 convert . | is a directory, not a log file, and holds no logs
 stats 'runs/*.bag' | runs/*.bag: no file has such a name
 stats '' | an empty name names no log
-stats TROT --start 5 --end 2 | --end 2 is not after --start 5; it lasts from 0 to
+stats TROT --start 5 --end 2 | --start 5 --end 2: the log has no messages there; it lasts from 0 to
 stats TROT --set contact_on=20 | did you mean contact_on_n
 stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE
 stats TROT --set command_topic=/none | command_topic: the log has no topic /none
@@ -51,15 +51,14 @@ stats TROT --figure x.eps | must end in one of .pdf, .png, .svg
 stats TROT --figure x.svg/ | is a directory's name
 stats TROT --scheduler nonsense | must be an address such as tcp://host:8786
 report TROT --against WALK --join | --join and --against: choose one
-convert TROT -o x.BAG | ends in .bag, but .mcap is written; name it x.mcap
-convert TROT -o memory://out/x.db3 | ends in .db3, but .mcap is written
-report TROT -o x.pdf | ends in .pdf, but .html is written
 check TROT | check needs one of --limits FILE.toml and --suggest
 check TROT --suggest --json | goes with none of the other outputs
 export TROT -o x.xlsx | x.xlsx: must end in .csv, .parquet, .arrow, .feather
 export TROT --overwrite | --overwrite goes with -o FILE
 export TROT --prune | --prune goes with --dataset
 export TROT --dataset walks --table base | --table goes without --dataset
+export TROT --dataset walks --label firmware | must be NAME=VALUE
+export TROT --dataset walks --label a=1 --label a=2 | a is there twice
 compare TROT | Missing argument 'ACTUAL'
 compare TROT WALK --mass 20 | --mass says how logs are measured: it goes with --gait
 compare TROT WALK --gait --atol 1 | --atol has no meaning with --gait

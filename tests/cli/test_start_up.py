@@ -17,7 +17,7 @@ from dogbot_logtool.io import storage
 from tests import forked_cli
 from tests.oracles.small_logs import first_seconds
 from tests.paths import ROOT, TROT, TROUBLED, WALK
-from tests.shell import Shell
+from tests.shell import Shell, python
 
 HEAVY = {"numpy", "rosbags", "rich", "mcap", "google.protobuf", "lz4", "zstandard"}
 SLOW = {"numpy.ma", "multiprocessing", "concurrent.futures", "asyncio", "jinja2"}
@@ -44,15 +44,9 @@ def test_a_call_loads_only_what_it_needs(
     tmp_path: Path, words: list[str], unneeded: set[str]
 ) -> None:
     call = [str(first_seconds(TROT)) if word == "SHORT" else word for word in words]
-    done = subprocess.run(  # noqa: S603 - this program
-        [sys.executable, "-X", "importtime", "-m", "dogbot_logtool", *call],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    loaded = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
-    assert done.returncode == (2 if words == ["convert"] else 0)
+    done = python("-X", "importtime", "-m", "dogbot_logtool", *call, folder=tmp_path)
+    loaded = {line.rpartition("|")[2].strip() for line in done.err.splitlines()}
+    assert done.code == (2 if words == ["convert"] else 0)
     assert unneeded & loaded == set()
     assert "dogbot_logtool.options" in loaded
 
@@ -68,11 +62,7 @@ def test_a_call_loads_only_what_it_needs(
     ],
 )
 def test_what_an_extra_brings_is_asked_for(
-    shell: Shell,
-    monkeypatch: pytest.MonkeyPatch,
-    words: Sequence[object],
-    package: str,
-    extra: str,
+    shell: Shell, monkeypatch: pytest.MonkeyPatch, words: Sequence[object], package: str, extra: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     for module in ("run.cluster", "report.dataset", "report.gait_figure", "report.page.render"):
@@ -111,20 +101,15 @@ LIMIT_MIB = 200
 """Of which the columns of a minute take 25."""
 
 
-def run(*words: str | Path) -> str:
-    command = [sys.executable, *words]
-    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout  # noqa: S603
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="nothing tells the memory of all processes")
 @pytest.mark.parametrize(("suffix", "kind"), [("bag", "lz4"), ("mcap", "ros1")])
 def test_a_minute_takes_little_memory(tmp_path: Path, suffix: str, kind: str) -> None:
     log = tmp_path / f"walk.{suffix}"
-    run("benchmarks/make_log.py", log, "60", kind)
+    assert python("benchmarks/make_log.py", log, 60, kind).code == 0
     words = ("convert", log, "-o", tmp_path / "out.mcap", "-q", "--jobs", "2")
     tool = (sys.executable, "-m", "dogbot_logtool")
-    assert float(run("benchmarks/memory.py", *tool, *words)) < LIMIT_MIB
+    assert float(python("benchmarks/memory.py", *tool, *words).out) < LIMIT_MIB
 
 
 # --- What other systems lack ----------------------------------------------------------------------

@@ -9,7 +9,6 @@ decoders, checksums and all. Nothing of the product takes part in either.
 import itertools
 import json
 import math
-import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -260,15 +259,6 @@ def test_neither_jobs_nor_the_folder_leave_a_trace(tmp_path: Path, log: Path) ->
     dl.convert(elsewhere / log.name, target / "x.mcap", jobs=3, **options)
     assert (target / "x.mcap").read_bytes() == converted(log, **options).path.read_bytes()
     assert [file.name for file in target.iterdir()] == ["x.mcap"]
-
-
-def test_provenance_tells_how_but_not_when_or_where() -> None:
-    (provenance,) = converted(TROUBLED, style="force", encoding="ros1").written.metadata
-    told = provenance.metadata
-    assert (provenance.name, told["input"]) == ("dogbot_logtool", "dogbot_troubled.bag")
-    assert (told["style"], told["encoding"], told["robot"]) == ("force", "ros1", "dogbot")
-    assert (told["mass_kg"], told["copy"], told["lost_messages"]) == ("21.261", "True", "0")
-    assert not re.search(r"20\d\d-\d\d|\d\d:\d\d|\"/", json.dumps(told))
 
 
 def test_the_doctor_finds_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -55,15 +55,6 @@ def test_recorded_messages_are_copied_byte_for_byte(
     assert done.written.profile == profile
 
 
-def test_chunks_of_an_mcap_are_copied_as_they_stand() -> None:
-    recorded, done = chunks_of(WALK), converted(WALK)
-    written = chunks_of(done.path)
-    assert [chunk for chunk in written if chunk in recorded] == recorded
-    assert done.written.statistics is not None
-    assert done.written.statistics.chunk_count == len(written) > len(recorded)
-    assert len(done.written.chunk_compressions) == len(written)
-
-
 def done(log: Path, **options: Any) -> tuple[Conversion, Written]:
     """Convert a log; the file has all that the result counts."""
     target = log.with_name("out.mcap")

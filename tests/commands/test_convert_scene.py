@@ -18,10 +18,7 @@ from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.commands.test_convert import codes, converted
 from tests.measured import walk_of
 from tests.oracles import recorded, walks
-from tests.oracles.annotated_file import (
-    read_written,
-    written_transforms,
-)
+from tests.oracles.annotated_file import read_written, written_transforms
 from tests.oracles.conversion import xyz
 from tests.oracles.frames import Frames, turn_of
 from tests.oracles.recorded import S
@@ -256,38 +253,25 @@ def test_a_topic_that_is_taken_twice_is_moved_twice(tmp_path: Path) -> None:
     assert "/load/front_left" in moved.text
 
 
-# --- A second parent ------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def second_parent(tmp_path: Path) -> Path:
-    """A walk of which a transform, too, says once where the base is."""
+@pytest.mark.parametrize(
+    ("options", "topic"),
+    [({}, ""), ({"tf": "always"}, "/dogbot_logtool/tf"), ({"copy": False}, "/tf")],
+)
+def test_a_second_parent_is_noticed_where_it_is_copied(
+    tmp_path: Path, options: dict[str, Any], topic: str
+) -> None:
+    """A transform, too, says once where the base is; with --tf always ours are written anyway."""
     time = 10 * S + 100_000_000
     sent = Entry("/tf", recorded.TF_TYPE, time, transform(time, "/map", "base_link"))
     entries = sorted([*small_walk(), sent], key=lambda entry: entry.log_time)
-    return write_bag(tmp_path / "log.bag", entries)
-
-
-def test_a_second_parent_is_noticed(second_parent: Path) -> None:
-    target = second_parent.with_suffix(".mcap")
-    conversion = dl.convert(second_parent, target)
-    assert not [topic for topic in conversion.annotations if topic.endswith("/tf")]
-    assert read_written(target).encodings("/tf") == {"ros1"}
-    (finding,) = [f for f in conversion.findings if f.code == "TF_NOT_WRITTEN"]
-    assert "base_link a parent (map)" in finding.text
+    conversion = dl.convert(
+        write_bag(tmp_path / "log.bag", entries), tmp_path / "out.mcap", **options
+    )
+    written = {name: n for name, n in conversion.annotations.items() if name.endswith("/tf")}
+    assert written == ({topic: 50} if topic else {})
+    told = [finding.text for finding in conversion.findings if finding.code == "TF_NOT_WRITTEN"]
+    assert ["base_link a parent (map)" in text for text in told] == [True] * (not topic)
     assert conversion.annotations[recorded.arrow_topic("front_left")] == 250
-
-
-@pytest.mark.parametrize(
-    ("options", "topic"), [({"tf": "always"}, "/dogbot_logtool/tf"), ({"copy": False}, "/tf")]
-)
-def test_a_parent_that_is_not_copied_is_no_second_one(
-    second_parent: Path, options: dict[str, Any], topic: str
-) -> None:
-    """Nor is one where transforms are written in any case."""
-    conversion = dl.convert(second_parent, second_parent.with_suffix(".mcap"), **options)
-    assert conversion.annotations[topic] == 50
-    assert "TF_NOT_WRITTEN" not in codes(conversion)
 
 
 # --- Events ---------------------------------------------------------------------------------------

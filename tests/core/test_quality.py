@@ -3,7 +3,7 @@ import pytest
 
 from dogbot_logtool.core.arrays import Ints
 from dogbot_logtool.core.clock import TimeSource
-from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
+from dogbot_logtool.core.quality import TopicQuality, topic_quality
 
 MS = 1_000_000
 S = 1_000 * MS
@@ -12,7 +12,7 @@ S = 1_000 * MS
 def watched(
     log_time: Ints, stamp: Ints | None, *, clock: TimeSource = TimeSource.HEADER
 ) -> TopicQuality:
-    return topic_quality(topic_times("/foot", log_time, stamp), clock)
+    return topic_quality("/foot", log_time, stamp, clock)
 
 
 def steady(count: int = 1001, interval_ms: int = 10) -> Ints:

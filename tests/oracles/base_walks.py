@@ -11,7 +11,6 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.Odometry_pb2 import Odometry
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from mcap.writer import Writer as McapWriter
-from rosbags.typesys import get_types_from_msg
 
 from tests.oracles import walks
 
@@ -21,29 +20,6 @@ YAW_RATE: Final = 0.4
 SPEED: Final = 0.5
 """m/s, along the body's own x axis, so that the base walks along an arc."""
 ROLL, PITCH, HEIGHT = 0.05, -0.1, 0.45
-DEFINITIONS: Final = {
-    "xpp_msgs/msg/State6d": "geometry_msgs/Pose pose\ngeometry_msgs/Twist twist\n"
-    "geometry_msgs/Accel accel",
-    "xpp_msgs/msg/RobotStateCartesian": "builtin_interfaces/Duration time_from_start\n"
-    "xpp_msgs/State6d base\nbool[] ee_contact",
-    "anymal_msgs/msg/AnymalState": "std_msgs/Header header\nint8 state\n"
-    "geometry_msgs/PoseStamped pose\ngeometry_msgs/TwistStamped twist",
-    "quad_msgs/msg/BodyState": "geometry_msgs/Pose pose\ngeometry_msgs/Twist twist",
-    "quad_msgs/msg/RobotState": "std_msgs/Header header\nuint32 traj_index\n"
-    "quad_msgs/BodyState body",
-    "gazebo_msgs/msg/ModelStates": "string[] name\ngeometry_msgs/Pose[] pose\n"
-    "geometry_msgs/Twist[] twist",
-    "gazebo_msgs/msg/LinkStates": "string[] name\ngeometry_msgs/Pose[] pose\n"
-    "geometry_msgs/Twist[] twist",
-    "unitree_go/msg/IMUState": "float32[4] quaternion\nfloat32[3] rpy",
-    "unitree_go/msg/SportModeState": "uint32 error_code\nunitree_go/IMUState imu_state\n"
-    "float32[3] position\nfloat32[3] velocity",
-    "ocs2_msgs/msg/mpc_state": "float32[] value",
-    "ocs2_msgs/msg/mpc_observation": "float64 time\nocs2_msgs/mpc_state state\nint8 mode",
-    "dwl_msgs/msg/BaseState": "string name\nuint8 id\nfloat64 position",
-    "dwl_msgs/msg/WholeBodyState": "std_msgs/Header header\ndwl_msgs/BaseState[] base",
-    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
-}
 ON_REQUEST: Final = ("geometry_msgs/Pose", "nav_msgs/Path")
 PLANNED: Final = ("ocs2_msgs/mpc_observation", "xpp_msgs/RobotStateCartesian")
 WITHOUT_HEADER: Final = (
@@ -63,23 +39,7 @@ ELEMENTS: Final = {
 
 @cache
 def ros() -> walks.Walk:
-    walk = walks.Walk(2)
-    for name, text in DEFINITIONS.items():
-        if name not in walk.store.fielddefs:
-            walk.store.register(get_types_from_msg(text, name))
-    return walk
-
-
-@cache
-def ros_of(kind: str) -> walks.Walk:
-    """Return a store in which a type has the definition of this module."""
-    walk = ros()
-    if kind == "unitree_go/msg/SportModeState":
-        walk = walks.Walk(2)
-        walk.store.fielddefs.pop(kind)
-        for name in ("unitree_go/msg/IMUState", kind):
-            walk.store.register(get_types_from_msg(DEFINITIONS[name], name))
-    return walk
+    return walks.Walk(2)
 
 
 def pose(sample: int) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
@@ -148,14 +108,14 @@ def message(kind: str, sample: int) -> bytes:
         made: Any = _FOXGLOVE[kind][1](**foxglove(kind, sample, ("seconds", "nanos")))
         return bytes(made.SerializeToString())
     full = kind.replace("/", "/msg/")
-    walk = ros_of(full)
+    walk = ros()
     fields = _KINDS[kind][1] if kind in _KINDS else _array
     return walk.bytes_of(full, walk.make(full, **fields(walk, sample)))
 
 
 def definition(kind: str) -> str:
     full = kind.replace("/", "/msg/")
-    return ros_of(full).definition(full)
+    return ros().definition(full)
 
 
 def _odometry(walk: walks.Walk, sample: int) -> Fields:

@@ -1,61 +1,20 @@
 """Logs whose feet are fields of messages of types that nobody knows."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from rosbags.typesys import get_types_from_msg
-from rosbags.typesys.store import Typestore
 
 from tests.oracles import walks
+from tests.oracles.definitions import CELLS
 
-CELLS: Final = tuple(
-    f"{foot}_foot_{end}_{side}"
-    for foot in "lr"
-    for end in ("front", "back")
-    for side in ("left", "right")
-)
-"""As NAO's soles have them: four in each foot."""
-DEFINITIONS: Final = {
-    "odd_msgs/msg/Reading": "float32 value\n",
-    "odd_msgs/msg/LoadCell": "uint32 rows\nuint32 cols\nfloat32[] data\n",
-    "odd_msgs/msg/Counts": "int16 value\n",
-    "odd_msgs/msg/Touch": "bool is_down\n",
-    "odd_msgs/msg/Bits": "int8 foot_contacts\nfloat32 battery\nuint32 contact_number\n",
-    "odd_msgs/msg/Pressures": "".join(f"float64 {leg}_foot\n" for leg in ("LF", "RF", "LH", "RH")),
-    "odd_msgs/msg/Soles": "".join(f"float32 {cell}\n" for cell in CELLS),
-    "odd_msgs/msg/Pad": "string name\nfloat64 load\n",
-    "odd_msgs/msg/Pads": "odd_msgs/Pad[] pads\n",
-    "odd_msgs/msg/Tips": "string[] name\ngeometry_msgs/Wrench[] wrench\n",
-    "odd_msgs/msg/Leg": "string name\nint16 counts\ngeometry_msgs/Vector3 force\nfloat32[] cells\n",
-    "odd_msgs/msg/State": (
-        "std_msgs/Header header\nodd_msgs/Leg[] legs\nfloat64[4] loads\nuint8[] flags\n"
-        "geometry_msgs/Wrench left\ngeometry_msgs/Wrench right\n"
-    ),
-}
 RATE_HZ: Final = 100
 DURATION_S: Final = 12.0
 PERIOD_S: Final = 1.0
 DUTY: Final = 0.6
 START_NS: Final = 1_700_000_000_000_000_000
 WEIGHT_N: Final = 30.0
-
-
-def odd_walk(ros: int = 2) -> walks.Walk:
-    """Return a maker of messages that knows the odd types."""
-    walk = walks.Walk(ros)
-    walk.store = walks.own_store(_known(ros))
-    return walk
-
-
-@cache
-def _known(ros: int) -> Typestore:
-    store = walks.Walk(ros).store
-    for name, text in DEFINITIONS.items():
-        store.register(get_types_from_msg(text, name))
-    return store
 
 
 def is_down(time_s: float, foot: int) -> bool:
@@ -77,7 +36,7 @@ _READING: Final = "odd_msgs/msg/Reading"
 
 def write(path: Path, samples: Samples) -> Path:
     """Write what is sent at each time."""
-    walk, entries = odd_walk(), []
+    walk, entries = walks.Walk(2), []
     for sample in range(round(DURATION_S * RATE_HZ)):
         time = START_NS + round(sample * 1e9 / RATE_HZ)
         for topic, kind, fields in samples(sample / RATE_HZ):

@@ -17,6 +17,8 @@ from rosbags.rosbag2.enums import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from tests.oracles.definitions import DEFINITIONS
+
 
 class Entry(NamedTuple):
     """A message of a log."""
@@ -39,35 +41,6 @@ STANCE: Final = 48
 PHASES: Final = {"front_left": 10, "back_right": 10, "front_right": 50, "back_left": 50}
 COUNTS_OFFSET: Final = {"front_left": 20, "front_right": -7, "back_left": 3, "back_right": 0}
 NEWTONS_PER_COUNT: Final = 0.5
-DEFINITIONS: Final = {
-    "gazebo_msgs/msg/ContactState": "string info\nstring collision1_name\nstring collision2_name\n"
-    "geometry_msgs/Wrench[] wrenches\ngeometry_msgs/Wrench total_wrench\n"
-    "geometry_msgs/Vector3[] contact_positions\ngeometry_msgs/Vector3[] contact_normals\n"
-    "float64[] depths",
-    "gazebo_msgs/msg/ContactsState": "std_msgs/Header header\ngazebo_msgs/ContactState[] states",
-    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
-    "ros_gz_interfaces/msg/Entity": "uint8 LINK=3\nuint64 id\nstring name\nuint8 type",
-    "ros_gz_interfaces/msg/JointWrench": "std_msgs/Header header\nstd_msgs/String body_1_name\n"
-    "std_msgs/UInt32 body_1_id\nstd_msgs/String body_2_name\nstd_msgs/UInt32 body_2_id\n"
-    "geometry_msgs/Wrench body_1_wrench\ngeometry_msgs/Wrench body_2_wrench",
-    "ros_gz_interfaces/msg/Contact": "ros_gz_interfaces/Entity collision1\n"
-    "ros_gz_interfaces/Entity collision2\ngeometry_msgs/Vector3[] positions\n"
-    "geometry_msgs/Vector3[] normals\nfloat64[] depths\nros_gz_interfaces/JointWrench[] wrenches",
-    "ros_gz_interfaces/msg/Contacts": "std_msgs/Header header\n"
-    "ros_gz_interfaces/Contact[] contacts",
-    "unitree_legged_msgs/msg/LowState": "uint8[2] head\nuint32[2] SN\nfloat32[4] quaternion\n"
-    "int16[4] footForce\nint16[4] footForceEst\nuint32 tick\nuint8[40] wirelessRemote\nuint32 crc",
-    "unitree_go/msg/LowState": "uint8[2] head\nuint8 level_flag\nuint16 bandwidth\n"
-    "int16[4] foot_force\nint16[4] foot_force_est\nuint32 tick\nuint8[40] wireless_remote",
-    "unitree_legged_msgs/msg/HighState": "uint8[2] head\nuint8 mode\nint16[4] footForce\n"
-    "int16[4] footForceEst\nfloat32[3] position",
-    "unitree_go/msg/TimeSpec": "int32 sec\nuint32 nanosec",
-    "unitree_go/msg/SportModeState": "unitree_go/TimeSpec stamp\nuint32 error_code\n"
-    "int16[4] foot_force\nfloat32[12] foot_position_body",
-    "spot_msgs/msg/FootState": "geometry_msgs/Point foot_position_rt_body\nuint8 contact",
-    "spot_msgs/msg/FootStateArray": "spot_msgs/FootState[] states",
-    "champ_msgs/msg/ContactsStamped": "std_msgs/Header header\nbool[] contacts",
-}
 KINDS: Final = (
     "gazebo_msgs/msg/ContactsState",
     "ros_gz_interfaces/msg/Contacts",
@@ -104,17 +77,12 @@ def foot_topic(kind: str, leg: str) -> str:
 @cache
 def _known(ros: int) -> Typestore:
     store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
-    known = {} if ros == 1 else {"tf2_msgs/msg/TFMessage"}
+    # A duration has the parts of a time.
+    theirs, ours = "builtin_interfaces/Duration", "builtin_interfaces/Time"
+    known: dict[str, Any] = {}
     for name, text in DEFINITIONS.items():
-        if name not in known:
-            store.register(get_types_from_msg(text, name))
-    return store
-
-
-def own_store(known: Typestore) -> Typestore:
-    """Return a store to which types can be added, with those of another one."""
-    store = copy.copy(known)
-    store.fielddefs, store.types, store.cache = dict(known.fielddefs), dict(known.types), {}
+        known |= get_types_from_msg(text.replace(theirs, ours), name)
+    store.register({name: known[name] for name in known.keys() - store.fielddefs.keys()})
     return store
 
 
@@ -123,7 +91,11 @@ class Walk:
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
-        self.store = own_store(_known(ros))
+        # Types can be added to a store of its own.
+        known = _known(ros)
+        self.store = copy.copy(known)
+        self.store.fielddefs, self.store.types = dict(known.fielddefs), dict(known.types)
+        self.store.cache = {}
 
     def make(self, kind: str, **fields: Any) -> Any:
         """Make a message of some fields; the others are zero.

@@ -111,6 +111,10 @@ def bags_with_damaged_chunks() -> Iterator[Case]:
         what = "connection 0 is described in two ways: as /right of type std_msgs/String and, at "
         what += f"byte {start}, as /left of type std_msgs/String; the former was used"
         yield Case("swapped", *case, what, tuple(range(12)), either=True, number=0)
+    bag, data = built(small_bag())
+    at = bag.chunk_starts[1] + 41  # in the chunk's header
+    what = f"the 52 bytes from byte {bag.chunk_starts[1]} on are no record"
+    yield Case("bytes in a head", bag, data[:at] + b"abc" + data[at:], what, number=None, bytes=52)
     lone = built(small_bag(), in_chunks=False, indexed=False)
     yield Case("undescribed", *lone, "nowhere described", tuple(range(12)), bytes=12 * 13)
 

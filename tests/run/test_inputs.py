@@ -13,7 +13,6 @@ from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io.storage import location, name_of
 from dogbot_logtool.run.inputs import find_logs
 from tests import forked_cli
-from tests.forked_cli import Ended
 from tests.paths import SAMPLE_LOGS
 
 TROUBLED = SAMPLE_LOGS / "dogbot_troubled.bag"
@@ -216,13 +215,6 @@ def test_secrets_of_a_url_are_not_shown() -> None:
     assert name_of("a@b/c?d.bag") == "a@b/c?d.bag"
 
 
-def called(*words: object, cwd: Path) -> Ended:
-    """Run the command, which must not hang."""
-    done = forked_cli.run(*words, folder=cwd, timeout=60)
-    assert "Traceback" not in done.stderr, done.stderr
-    return done
-
-
 @pytest.fixture
 def unreadable(folder: Path) -> Iterator[Path]:
     """Make a directory that cannot be listed, not even by root: its path is too long."""
@@ -249,7 +241,7 @@ def test_a_directory_that_cannot_be_read_does_not_stop_the_search(unreadable: Pa
     for name in ("run", "lost", "split"):
         shutil.rmtree(unreadable / name)
     shutil.copy(TROUBLED, unreadable / "walk.bag")
-    done = called("stats", ".", "--json", cwd=unreadable)
+    done = forked_cli.run("stats", ".", "--json", folder=unreadable)
     assert done.returncode == 1
     assert "cannot be searched: File name too long" in done.stderr
     results = json.loads(done.stdout)

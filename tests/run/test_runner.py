@@ -15,6 +15,7 @@ from dogbot_logtool.run.executor import ProcessRunner
 from dogbot_logtool.run.runner import Failure, Runner, runner_for
 from tests.paths import ROOT
 from tests.run.work import Progress, wait_for_the_end_of, work
+from tests.shell import Outcome, python
 
 
 def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any], Progress]:
@@ -68,7 +69,9 @@ def test_no_worker_outlives_the_first_process(tmp_path: Path, number: signal.Sig
 import signal
 from pathlib import Path
 from dogbot_logtool.run.executor import ProcessRunner
+from tests.shell import Outcome, python
 from tests.run.work import Progress
+from tests.shell import Outcome, python
 from tests.run.work import work
 
 if __name__ == "__main__":
@@ -90,19 +93,6 @@ if __name__ == "__main__":
     assert list(tmp_path.iterdir()) == []
 
 
-def ended(script: str) -> tuple[int, str, str]:
-    """Run a script in a process of its own; return exit code, stdout and stderr."""
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", script],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60.0,
-        cwd=ROOT,
-    )
-    return done.returncode, done.stdout, done.stderr
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="limits files")
 @pytest.mark.parametrize("files", [15, 24])
 def test_processes_that_cannot_be_started_are_told(files: int) -> None:
@@ -111,6 +101,7 @@ import dogbot_logtool.run.executor, dogbot_logtool.report.text.console
 from contextlib import closing
 from resource import RLIMIT_NOFILE, setrlimit
 from dogbot_logtool.errors import LogtoolError
+from tests.shell import Outcome, python
 from tests.run.work import Progress
 
 if __name__ == "__main__":
@@ -122,7 +113,8 @@ if __name__ == "__main__":
         print(error)
 """
     what = "9 processes cannot be started: Too many open files; try fewer --jobs\n"
-    assert ended(script)[:2] == (0, what)
+    done = python("-c", script)
+    assert (done.code, done.out) == (0, what)
 
 
 # --- Signals --------------------------------------------------------------------------------------
@@ -158,7 +150,7 @@ del thing
 time.sleep(30.0)
 print("lost")
 """
-    assert ended(script) == (128 + number, "", "")
+    assert python("-c", script) == Outcome(128 + number, "", "")
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="cannot hold signals back")
@@ -172,7 +164,7 @@ with held_back():
     leave_to_parent()
     print("lives on", flush=True)
 """
-    assert ended(script)[:2] == (-signal.SIGTERM, "")
+    assert python("-c", script) == Outcome(-signal.SIGTERM, "", "")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits memory")
@@ -190,4 +182,4 @@ sys.argv = ["dogbot-logtool", "stats", "sample_logs/dogbot_trot.bag", "--jobs", 
 main()
 """
     what = "error: there is not enough memory; with --jobs 1 the least is needed\n"
-    assert ended(script) == (1, "", what)
+    assert python("-c", script) == Outcome(1, "", what)

@@ -1,23 +1,15 @@
-"""Runs every command on real logs and on damaged ones: ``python -m tests.torture.commands``.
+"""Runs commands on real logs and on damaged ones, and looks at what their promises are.
 
-What is looked at are the promises of the program: an exit code of 0 to 3, no traceback, JSON that
-parses, an end in time, and nothing left in the folder but outputs that were asked for.
-Real logs are those below LOGTOOL_CORPUS, if that is set; ``--damaged N`` adds N copies of sample
-logs, damaged at random.
+That is an exit code of 0 to 3, no traceback, JSON that parses, an end in time, and nothing left in
+the folder but outputs that were asked for.
 """
 
-import argparse
 import json
 import os
 import random
-import signal
 import subprocess
-import sys
 import tempfile
-import time
-from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -58,27 +50,15 @@ SUFFIXES: Final = (".bag", ".mcap", ".db3", ".active", ".zstd")
 PATIENCE_S: Final = 120.0
 
 
-@dataclass(frozen=True, slots=True)
-class Attempt:
-    """How a command ended."""
-
-    exit_code: int
-    seconds: float
-    faults: tuple[str, ...]
-
-
-def attempt(command: str, log: Path) -> Attempt:
-    """Run a command on a log, in a folder of its own."""
+def attempt(command: str, log: Path) -> tuple[int, list[str]]:
+    """Run a command on a log, in a folder of its own; return its exit code and what is wrong."""
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
         words = [word.format(log=log) for word in command.split()]
-        begin = time.monotonic()
         try:
-            ended = run(*words, folder=folder, timeout=PATIENCE_S)
+            ended = run(*words, folder=Path(name), timeout=PATIENCE_S)
         except subprocess.TimeoutExpired:
-            return Attempt(-signal.SIGKILL, PATIENCE_S, ("does not end",))
-        seconds = time.monotonic() - begin
-        return Attempt(ended.returncode, seconds, tuple(faults_of(ended, words, folder)))
+            return -1, ["does not end"]
+        return ended.returncode, list(faults_of(ended, words, Path(name)))
 
 
 def faults_of(ended: Ended, words: Sequence[str], folder: Path) -> Iterator[str]:
@@ -132,46 +112,3 @@ def damaged_logs(folder: Path, count: int, seed: int) -> Iterator[Path]:
         path.write_bytes(data)
         yield path
         path.unlink()
-
-
-def torture(
-    logs: Iterator[Path], commands: Sequence[str] = COMMANDS
-) -> Iterator[tuple[str, Path, Attempt]]:
-    """Run commands on logs; yield how each ended."""
-    for log in logs:
-        for command in commands:
-            yield command, log, attempt(command, log)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--damaged", type=int, default=200, help="logs damaged at random")
-    parser.add_argument("--seed", type=int, help="repeat a run")
-    parser.add_argument("--every", type=int, default=1, help="take every Nth real log")
-    parser.add_argument("--only", default="", help="commands that contain this text")
-    arguments = parser.parse_args()
-    seed = arguments.seed
-    if seed is None:
-        seed = random.SystemRandom().randrange(1 << 32)
-    commands = [command for command in COMMANDS if arguments.only in command]
-    codes: dict[str, Counter[int]] = {command: Counter() for command in commands}
-    faults, slowest = 0, (0.0, "")
-    with tempfile.TemporaryDirectory() as name:
-        real = iter(real_logs()[:: arguments.every])
-        for logs in (real, damaged_logs(Path(name), arguments.damaged, seed)):
-            for command, log, ended in torture(logs, commands):
-                codes[command][ended.exit_code] += 1
-                slowest = max(slowest, (ended.seconds, command.format(log=log.name)))
-                for fault in ended.faults:
-                    print(f"{command.format(log=log)}: {fault}", flush=True)  # noqa: T201
-                    faults += 1
-    print(f"seed {seed}; the slowest, {slowest[0]:.1f} s: {slowest[1]}")  # noqa: T201
-    for command, counter in codes.items():
-        ends = ", ".join(f"{count} x {code}" for code, count in sorted(counter.items()))
-        print(f"{command:90} {ends}")  # noqa: T201
-    print(f"{faults} faults")  # noqa: T201
-    sys.exit(1 if faults else 0)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,12 +1,9 @@
-"""Interrupts the program at random moments: ``python -m tests.torture.signals [--tries N]``.
+"""Interrupts the program, and looks at what its promises are.
 
-Each kind of interruption is tried over one log and over several, with `convert`, `stats` and
-`report` in turn. After each it looks at what the promises of the program are: the exit code, no
-traceback, no process that goes on, no wait without end, nothing left behind, and outputs that are
-whole.
+That is the exit code, no traceback, no process that goes on, no wait without end, nothing left
+behind, and outputs that are whole.
 """
 
-import argparse
 import contextlib
 import os
 import random
@@ -15,7 +12,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,9 +19,8 @@ from typing import Final
 
 import psutil
 
-from tests.paths import ROOT, TROT, TROUBLED, WALK
+from tests.paths import ROOT
 
-SAMPLES: Final = (TROT, WALK, TROUBLED)
 INT, TERM, HUP, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL
 KINDS: Final = (
     (INT,),
@@ -39,9 +34,6 @@ KINDS: Final = (
     (TERM, KILL),
 )
 """Signals that are sent one soon after the other."""
-COMMANDS: Final = ("convert", "stats", "report")
-COPIES: Final = 2
-"""How often each sample is among several logs."""
 START: Final = """
 import os, signal, sys
 
@@ -76,11 +68,6 @@ def started(words: Sequence[str], folder: Path) -> "subprocess.Popen[str]":
         text=True,
         start_new_session=True,
     )
-
-
-def words_of(command: str, logs: Sequence[Path], jobs: int) -> tuple[str, ...]:
-    output = () if command == "stats" else ("-o", "out/")
-    return (command, *map(str, logs), *output, "--jobs", str(jobs))
 
 
 def undisturbed(words: tuple[str, ...]) -> Call:
@@ -143,21 +130,18 @@ def interrupt(
                 process.send_signal(each)
 
 
-def attempt(call: Call, signals: Sequence[signal.Signals]) -> tuple[str, list[str]]:
-    """Interrupt a call once; return how it ended, and what is wrong with that."""
+def attempt(call: Call, signals: Sequence[signal.Signals]) -> list[str]:
+    """Interrupt a call at a random moment; return what is wrong with how it ended."""
     with tempfile.TemporaryDirectory() as name:
         process = started(call.words, Path(name))
         wait_until_ready(process)
         moment = random.uniform(0.0, 1.1 * call.takes_s)  # noqa: S311 - no secret
         everyone = random.random() < 0.5  # noqa: S311 - no secret
         time.sleep(moment)
-        was_over = process.poll() is not None
         interrupt(process, signals, everyone=everyone)
         faults = list(faults_of(process, call, signals, Path(name)))
-    end = "done" if process.returncode == 0 else "interrupted"
     sent = "+".join(each.name for each in signals) + (" to all" if everyone else "")
-    where = f"{call.words[0]}, {sent} after {moment:.3f} s"
-    return "over before" if was_over else end, [f"{where}: {fault}" for fault in faults]
+    return [f"{call.words[0]}, {sent} after {moment:.3f} s: {fault}" for fault in faults]
 
 
 def faults_of(
@@ -210,49 +194,3 @@ def survivors_of(session: int) -> Iterator[str]:
     for survivor in alive:
         yield f"process {survivor} goes on"
         os.kill(survivor, KILL)
-
-
-def calls(folder: Path, commands: Sequence[str]) -> dict[str, list[Call]]:
-    """Return the calls to interrupt: over one log, and over several."""
-    several: list[Path] = []
-    for number in range(COPIES):
-        for log in SAMPLES:
-            several.append(folder / f"{number}_{log.name}")
-            several[-1].write_bytes(log.read_bytes())
-    return {
-        "one log": [undisturbed(words_of(each, SAMPLES[:1], 2)) for each in commands],
-        "six logs": [undisturbed(words_of(each, several, 2)) for each in commands],
-    }
-
-
-def torture(
-    tries: int,
-    kinds: Sequence[Sequence[signal.Signals]] = KINDS,
-    commands: Sequence[str] = COMMANDS,
-) -> Iterator[tuple[str, Counter[str], list[str]]]:
-    """Try every kind of interruption; yield its name, how calls ended, and what was wrong."""
-    with tempfile.TemporaryDirectory() as name:
-        for logs, choices in calls(Path(name), commands).items():
-            for signals in kinds:
-                tried = [attempt(choices[n % len(choices)], signals) for n in range(tries)]
-                faults = [fault for _, each in tried for fault in each]
-                sent = "+".join(each.name for each in signals)
-                yield f"{logs}: {sent}", Counter(end for end, _ in tried), faults
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tries", type=int, default=40, help="of each kind")
-    tries = parser.parse_args().tries
-    total = 0
-    for name, ends, faults in torture(tries):
-        counts = ", ".join(f"{count} {end}" for end, count in sorted(ends.items()))
-        print(f"{name:28}{counts}, {len(faults)} faults", flush=True)  # noqa: T201
-        for fault in faults:
-            print(f"    {fault}", flush=True)  # noqa: T201
-        total += len(faults)
-    sys.exit(1 if total else 0)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,6 +1,8 @@
-"""A few of the interruptions and damaged logs that `make torture` tries by the hundred."""
+"""Commands on damaged logs, and interrupted ones: a few, and by the hundred in `make torture`."""
 
 import itertools
+import os
+import shutil
 import signal
 import sys
 import time
@@ -13,10 +15,11 @@ from rosbags.rosbag2.enums import StoragePlugin
 from tests.oracles.recorded import unpacked
 from tests.oracles.small_logs import odometry_log
 from tests.oracles.walks import write_rosbag2
-from tests.paths import TROT
+from tests.paths import TROT, TROUBLED, WALK
 from tests.torture import commands, signals
 from tests.torture.signals import HUP, INT, KILL, TERM
 
+TRIES, SEED = (int(os.environ.get(name, "1")) for name in ("TRIES", "SEED"))
 LINUX: Final = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 FIRST: Final = {each.split()[0]: each for each in reversed(commands.COMMANDS)}.values()
 """One call of every command."""
@@ -40,19 +43,44 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.slow
 def test_every_command_ends_well_on_damaged_logs(tmp_path: Path) -> None:
-    logs = itertools.chain(commands.SAMPLES[:1], commands.damaged_logs(tmp_path, 2, seed=16))
-    ended = list(commands.torture(logs))
-    assert [(command, log, one.faults) for command, log, one in ended if one.faults] == []
-    assert len(ended) == 3 * len(commands.COMMANDS)
-    assert {one.exit_code for _, _, one in ended} >= {0, 3}
+    real = commands.real_logs() if TRIES > 1 else []
+    damaged = commands.damaged_logs(tmp_path, 2 * TRIES, SEED)
+    codes = set()
+    for log in itertools.chain(commands.SAMPLES[:1], real, damaged):
+        for command in commands.COMMANDS:
+            code, faults = commands.attempt(command, log)
+            assert faults == [], command.format(log=log)
+            codes.add(code)
+    assert codes >= {0, 3}
+
+
+@pytest.fixture(scope="module", params=[1, 6], ids=["one log", "six logs"])
+def calls(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> list[signals.Call]:
+    """Calls on one log or several, as they end when nothing interrupts them."""
+    folder = tmp_path_factory.mktemp("logs")
+    logs = [
+        shutil.copy(log, folder / f"{number}_{log.name}")
+        for number in (1, 2)
+        for log in (TROT, WALK, TROUBLED)
+    ]
+    found = []
+    for command in ("convert", "stats", "report")[: 3 if TRIES > 1 else 1]:
+        output = () if command == "stats" else ("-o", "out/")
+        words = (command, *map(str, logs[: request.param]), *output, "--jobs", "2")
+        found.append(signals.undisturbed(words))
+    return found
 
 
 @LINUX
 @pytest.mark.slow
-def test_nothing_is_left_after_signals() -> None:
-    rows = list(signals.torture(1, [(INT,), (TERM, TERM), (KILL,)], ["convert"]))
-    assert [(name, faults) for name, _, faults in rows if faults] == []
-    assert len(rows) == 6
+@pytest.mark.parametrize("kind", signals.KINDS[:: 1 if TRIES > 1 else 3], ids=str)
+def test_nothing_is_left_after_signals(
+    calls: list[signals.Call], kind: tuple[signal.Signals, ...]
+) -> None:
+    tried = (signals.attempt(calls[number % len(calls)], kind) for number in range(TRIES))
+    assert [fault for faults in tried for fault in faults] == []
 
 
 @pytest.fixture(scope="module")

@@ -88,7 +88,7 @@ def without(*feet: str) -> Disturbance:
     """Let feet have no sensor."""
 
     def change(recording: Recording) -> Recording:
-        robot, truth = recording.robot, recording.truth
+        robot = recording.robot
         rows = [row for row, name in enumerate(robot.feet) if name not in feet]
         return replace(
             recording,
@@ -98,7 +98,7 @@ def without(*feet: str) -> Disturbance:
                 feet=tuple(robot.feet[row] for row in rows),
                 corners_m=tuple(robot.corners_m[row] for row in rows),
             ),
-            truth=replace(truth, feet=tuple(truth.feet[row] for row in rows)),
+            truth=recording.truth.of_feet(rows),
         )
 
     return change
@@ -116,7 +116,7 @@ def several(*names: str, share_frames: bool = False, reach_m: float = 0.1) -> Di
     def change(recording: Recording) -> Recording:
         sensors = []
         for row, foot in enumerate(recording.feet):
-            name, duty = recording.robot.feet[row], recording.truth.feet[row].stance_s or 1.0
+            name, duty = recording.robot.feet[row], recording.truth.metrics["stance_s"]
             began = np.flatnonzero(np.diff(foot.touching.astype(np.int8), prepend=0) > 0)
             since = (
                 foot.time

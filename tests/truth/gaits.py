@@ -30,11 +30,11 @@ class Gait:
         """Let another moment of the cycle be its beginning."""
         return replace(self, phases=tuple((phase + cycles) % 1.0 for phase in self.phases))
 
-    def support(self) -> dict[int, float]:
+    def support(self) -> tuple[float, ...]:
         """Return the parts of a stride in which 0, 1, 2 ... feet are down."""
         moments = np.arange(0.5, 10_000.0)[:, None] / 10_000.0
         down = ((moments - self.phases) % 1.0 < self.duty).sum(axis=1)
-        return {count: float((down == count).mean()) for count in range(len(self.phases) + 1)}
+        return tuple(float((down == count).mean()) for count in range(len(self.phases) + 1))
 
 
 def symmetrical(duty: float, diagonality: float) -> Gait:

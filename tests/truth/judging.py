@@ -6,7 +6,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from tests.truth.case import Case
+from tests.truth.case import Case, Tolerance
 from tests.truth.geometry import Floats
 from tests.truth.outcome import Outcome, nearest
 from tests.truth.recording import Recording, Truth
@@ -28,8 +28,10 @@ class Judged:
     why: str = ""
 
 
-_OF_POINTS: Final = {"margin", "unstable margin", "energy margin", "pressure"}
+OF_POINTS: Final = {"margin", "unstable margin", "energy margin", "pressure", "slip"}
 """Figures of contact points."""
+OF_SOUND_LOGS: Final = {"vertical_impulse_ns", "undefined_fraction", "unknown_fraction"}
+"""Metrics that faults change."""
 STEPS: Final = {"touchdown", "lift_off"}
 SENSOR_FAULTS: Final = {"STUCK", "DEAD", "STOPPED", "SATURATED", "SPIKES"}
 """Findings of which events tell, too."""
@@ -56,11 +58,11 @@ STRUCTURAL: Final = {
 
 def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     """Judge all figures of a case."""
-    judged = [*_gait(case, recording.truth, found), *_verdict(case, recording.truth, found)]
-    judged += _odd_events(case, recording.truth, found)
-    walks = recording.truth.feet[0].stride_period_s is not None
-    judged += _walk(case, recording, found) if walks else _no_steps(recording, found)
-    judged += _whole(case, recording, found)
+    truth = recording.truth
+    judged = [*_gait(case, truth, found), *_verdict(case, truth, found)]
+    judged += _odd_events(case, truth, found)
+    judged += _steps(case, recording, found) if truth.stride_s else _no_steps(recording, found)
+    judged += _numbers(case, recording, found)
     judged = [each for each in judged if each.figure not in case.skipped]
     return judged + [each for each in _unknown(judged, found) if each.figure not in case.skipped]
 
@@ -128,7 +130,11 @@ def _odd_events(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
     if case.happens is None:
         return
 
-    unjudged = {"fall", "sensor_fault", *(["margin_below_zero"] if truth.unstable_fraction else [])}
+    unjudged = {
+        "fall",
+        "sensor_fault",
+        *(["margin_below_zero"] if truth.metrics.get("unstable_fraction") else []),
+    }
 
     def is_odd(event: Mapping[str, Any]) -> bool:
         moved = any(abs(event["onset_s"] - seam) < 0.02 for seam in truth.seams_s)
@@ -147,127 +153,113 @@ def _no_steps(recording: Recording, found: Outcome) -> Iterator[Judged]:
     yield Judged("strides", "0", _joined(strides), _right(not any(strides)))
 
 
-def _walk(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
-    allow, truth, names = case.tolerance, recording.truth, recording.robot.feet
+def _steps(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
     yield from _events(case, recording, found)
-    without = set(found.json["feet"]) - set(names)
+    without = set(found.json["feet"]) - set(recording.robot.feet)
     told = [found.figure(f"feet.{foot}.contact_fraction") for foot in without]
     if any(fraction is not None for fraction in told):
         yield Judged("feet without sensors", "null", _joined(told), "wrong")
-    # Name, key, whose first part is the truth's field, how far it may be off, and whether of it.
-    period_s = truth.feet[0].stride_period_s or 1.0
-    of_feet = (
-        ("contact fraction", "contact_fraction", allow.contact, False),
-        ("duty factor", "duty_factor.mean", allow.duty, False),
-        ("stance", "stance_s.median", allow.duty * period_s, False),
-        ("stance", "swing_s.median", allow.duty * period_s, False),
-        ("stride period", "stride_period_s.median", allow.period, True),
-        ("stride length", "stride_length_m.mean", allow.length, True),
-        ("size", "peak_force_n.mean", allow.force, True),
-        ("size", "mean_force_n.mean", allow.force + 0.03, True),
-        ("peak force", "peak_vertical_force_n.mean", allow.force, True),
-        ("peak force", "mean_vertical_force_n.mean", allow.force + 0.03, True),
-        ("braking", "braking_impulse_ns.mean", 0.1, True),
-        ("slip", "slip_m.median", 0.004, False),
-    )
-    for name, key, allowed, is_relative in of_feet:
-        wanted = [getattr(each, key.partition(".")[0]) for each in truth.feet]
-        if None not in wanted and not (name == "slip" and recording.kind == "wrench"):
-            keys = [f"feet.{foot}.{key}" for foot in names]
-            within = allowed * (wanted[0] or 1.0) if is_relative else allowed
-            yield _numbers(case, found, name, keys, wanted, within)
-    shares = [each.load_share for each in truth.feet]
-    keys = [f"forces.load_share.feet.{foot}" for foot in names]
-    yield _numbers(case, found, "load share", keys, shares, allow.share)
-    braked = [each.braking_impulse_ns for each in truth.feet]
-    keys = [f"feet.{foot}.propulsive_impulse_ns.mean" for foot in names]
-    yield _numbers(case, found, "propulsion", keys, braked, 0.1 * (braked[0] or 0.0))
-    frequency, hertz = ["gait.stride_frequency_hz"], 1.0 / period_s
-    yield _numbers(case, found, "stride period", frequency, [hertz], allow.period * hertz)
-    if len(names) == 4:
-        pairs = [sum(share or 0.0 for share in pair) for pair in (shares[:2], shares[::2])]
-        keys = [f"forces.load_share.{side}" for side in ("fore", "left")]
-        yield _numbers(case, found, "load share", keys, pairs, 2.0 * allow.share)
     yield _phases(case, recording, found)
-    if not case.faults:
-        topics = [f"quality.topics.{recording.robot.topic(row)}" for row in range(len(names))]
-        for key, true in (("rate_hz", case.rate_hz), ("gaps", 0.0), ("bad_stamps", 0.0)):
-            keys, rates = [f"{topic}.{key}" for topic in topics], [true] * len(topics)
-            yield _numbers(case, found, "topics", keys, rates, 0.01 * true)
-        pushed = [each.vertical_impulse_ns for each in truth.feet]
-        keys = [f"feet.{foot}.vertical_impulse_ns" for foot in names]
-        if None not in pushed:
-            yield _numbers(case, found, "impulse", keys, pushed, 0.05 * (pushed[0] or 0.0))
-    if truth.support is not None:
-        keys = [f"gait.support.{count}" for count in truth.support]
-        parts = list(truth.support.values())
-        yield _numbers(case, found, "support", keys, parts, 3.5 * allow.contact)
-        flight = ["gait.flight_fraction"]
-        yield _numbers(case, found, "support", flight, parts[:1], 3.5 * allow.contact)
-    if truth.segments:
+    if recording.truth.segments:
         classes = tuple(each["gait"]["name"] for each in found.figure("gait.segments"))
-        status = _right(classes == truth.segments)
-        yield Judged("segments", _joined(truth.segments), _joined(classes), status)
+        status = _right(classes == recording.truth.segments)
+        yield Judged("segments", _joined(recording.truth.segments), _joined(classes), status)
 
 
-def _whole(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
-    truth, allow = recording.truth, case.tolerance
-    speed = truth.forward_speed_mps
-    within = max(allow.speed * speed, 0.01)
-    turned_rad = truth.yaw_rate_radps and truth.yaw_rate_radps * recording.seconds
-    push = 1.5 * allow.margin
-    undefined = None if case.faults else truth.undefined_fraction
-    unknown = None if undefined is None else 0.0
-    wanted: tuple[tuple[str, str, float | None, float], ...] = (
-        ("speed", "base.forward_speed_mps", speed, within),
-        ("lateral speed", "base.lateral_speed_mps", truth.lateral_speed_mps, within),
-        ("yaw rate", "base.yaw_rate_radps", truth.yaw_rate_radps, 0.01),
-        ("path", "base.path_length_m", truth.path_length_m,
-         0.05 + allow.speed * (truth.path_length_m or 0.0)),
-        ("path", "base.net_displacement_m", truth.net_displacement_m,
-         0.05 + allow.speed * (truth.net_displacement_m or 0.0)),
-        ("yaw rate", "base.yaw_change_rad", turned_rad, 0.02 + 0.01 * abs(turned_rad or 0.0)),
-        ("height", "base.height_m.mean", truth.height_m, 0.02 * (truth.height_m or 0.0)),
-        ("impulse", "forces.vertical_impulse_over_weight", truth.impulse_over_weight,
-         allow.impulse),
-        ("margin", "stability.static_margin_m.mean", truth.static_margin_m, allow.margin),
-        ("unstable margin", "stability.unstable_fraction", truth.unstable_fraction, 0.03),
-        ("unstable margin", "stability.undefined_fraction", undefined, 3.5 * allow.contact),
-        ("unstable margin", "stability.unknown_fraction", unknown, 0.01),
-        ("pressure", "stability.centre_of_pressure_forward_m.mean", truth.pressure_m[0], push),
-        ("pressure", "stability.centre_of_pressure_left_m.mean", truth.pressure_m[1], push),
-        ("energy margin", "stability.energy_margin_m.mean", truth.energy_margin_m,
-         0.3 * allow.margin),
-        ("froude", "base.froude", truth.froude, 0.05 * (truth.froude or 0.0)),
-        ("slope", "base.slope_rad", abs(truth.slope_rad), 0.01),
-        ("pitch", "base.pitch_rad.mean", truth.pitch_rad, 0.01),
-        ("climb", "base.climb_m", truth.climb_m, 0.05),
-        ("accelerometer", "imu.accelerometer_mps2", truth.felt_mps2, 0.1),
-        ("forces over it", "imu.forces_over_accelerometer", truth.felt_mps2 and 1.0, 0.01),
+def _figures(allow: Tolerance, stride_s: float) -> Iterator[tuple[str, str, str, float, float]]:
+    """Yield metrics: figure, key, and how far it may be off, at least and of the truth.
+
+    In a key, * stands for each foot, @ for its topic, and # for each number of feet.
+    """
+    contact, force, margin = allow.contact, allow.force, allow.margin
+    yield from (
+        ("contact_fraction", "contact fraction", "feet.*.contact_fraction", contact, 0.0),
+        ("duty_factor", "duty factor", "feet.*.duty_factor.mean", allow.duty, 0.0),
+        ("stance_s", "stance", "feet.*.stance_s.median", allow.duty * stride_s, 0.0),
+        ("swing_s", "stance", "feet.*.swing_s.median", allow.duty * stride_s, 0.0),
+        ("stride_period_s", "stride period", "feet.*.stride_period_s.median", 0.0, allow.period),
+        ("stride_frequency_hz", "stride period", "gait.stride_frequency_hz", 0.0, allow.period),
+        ("stride_length_m", "stride length", "feet.*.stride_length_m.mean", 0.01, allow.length),
+        ("peak_force_n", "size", "feet.*.peak_force_n.mean", 0.0, force),
+        ("mean_force_n", "size", "feet.*.mean_force_n.mean", 0.0, force + 0.03),
+        ("peak_vertical_force_n", "peak force", "feet.*.peak_vertical_force_n.mean", 0.0, force),
+        ("mean_vertical_force_n", "peak force", "feet.*.mean_vertical_force_n.mean", 0.0,
+         force + 0.03),
+        ("vertical_impulse_ns", "impulse", "feet.*.vertical_impulse_ns", 0.0, 0.05),
+        ("braking_impulse_ns", "braking", "feet.*.braking_impulse_ns.mean", 0.01, 0.1),
+        ("propulsive_impulse_ns", "propulsion", "feet.*.propulsive_impulse_ns.mean", 0.0, 0.1),
+        ("slip_m", "slip", "feet.*.slip_m.median", 0.004, 0.0),
+        ("load_share", "load share", "forces.load_share.feet.*", allow.share, 0.0),
+        ("load_share_fore", "load share", "forces.load_share.fore", 2.0 * allow.share, 0.0),
+        ("load_share_left", "load share", "forces.load_share.left", 2.0 * allow.share, 0.0),
+        ("impulse_over_weight", "impulse", "forces.vertical_impulse_over_weight", allow.impulse,
+         0.0),
+        ("support", "support", "gait.support.#", 3.5 * contact, 0.0),
+        ("flight_fraction", "support", "gait.flight_fraction", 3.5 * contact, 0.0),
+        ("forward_speed_mps", "speed", "base.forward_speed_mps", 0.01, allow.speed),
+        ("lateral_speed_mps", "lateral speed", "base.lateral_speed_mps", 0.01, allow.speed),
+        ("yaw_rate_radps", "yaw rate", "base.yaw_rate_radps", 0.01, 0.0),
+        ("yaw_change_rad", "yaw rate", "base.yaw_change_rad", 0.02, 0.01),
+        ("path_length_m", "path", "base.path_length_m", 0.05, allow.speed),
+        ("net_displacement_m", "path", "base.net_displacement_m", 0.05, allow.speed),
+        ("height_m", "height", "base.height_m.mean", 0.0, 0.02),
+        ("froude", "froude", "base.froude", 0.0, 0.05),
+        ("slope_rad", "slope", "base.slope_rad", 0.01, 0.0),
+        ("pitch_rad", "pitch", "base.pitch_rad.mean", 0.01, 0.0),
+        ("climb_m", "climb", "base.climb_m", 0.05, 0.0),
+        ("static_margin_m", "margin", "stability.static_margin_m.mean", margin, 0.0),
+        ("energy_margin_m", "energy margin", "stability.energy_margin_m.mean", 0.3 * margin, 0.0),
+        ("unstable_fraction", "unstable margin", "stability.unstable_fraction", 0.03, 0.0),
+        ("undefined_fraction", "unstable margin", "stability.undefined_fraction", 3.5 * contact,
+         0.0),
+        ("unknown_fraction", "unstable margin", "stability.unknown_fraction", 0.01, 0.0),
+        ("pressure_forward_m", "pressure", "stability.centre_of_pressure_forward_m.mean",
+         1.5 * margin, 0.0),
+        ("pressure_left_m", "pressure", "stability.centre_of_pressure_left_m.mean", 1.5 * margin,
+         0.0),
+        ("accelerometer_mps2", "accelerometer", "imu.accelerometer_mps2", 0.1, 0.0),
+        ("forces_over_accelerometer", "forces over it", "imu.forces_over_accelerometer", 0.01, 0.0),
+        ("rate_hz", "topics", "quality.topics.@.rate_hz", 0.0, 0.01),
+        ("gaps", "topics", "quality.topics.@.gaps", 0.0, 0.0),
+        ("bad_stamps", "topics", "quality.topics.@.bad_stamps", 0.0, 0.0),
     )  # fmt: skip
-    for name, key, true, allowed in wanted:
-        if true is None or (name in _OF_POINTS and recording.kind in {"wrench", "spot", "flags"}):
+
+
+def _numbers(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged]:
+    """Judge every metric of which the truth is known."""
+    truth, robot = recording.truth, recording.robot
+    metrics: dict[str, Any] = {**truth.metrics}
+    if case.faults:
+        metrics = {name: metrics[name] for name in metrics.keys() - OF_SOUND_LOGS}
+    else:
+        metrics |= {"rate_hz": case.rate_hz, "gaps": 0.0, "bad_stamps": 0.0}
+    topics = [robot.topic(row) for row in range(len(robot.feet))]
+    counts = [str(count) for count in range(len(metrics.get("support") or ()))]
+    each = {"*": robot.feet, "@": topics, "#": counts}
+    for metric, figure, key, least, share in _figures(case.tolerance, truth.stride_s or 1.0):
+        true = metrics.get(metric)
+        is_told = figure not in OF_POINTS or recording.kind in {"contacts", "gz_contacts"}
+        if true is None or not is_told:
             continue
-        yield _numbers(case, found, name, [key], [true], allowed)
+        mark = next((mark for mark in each if mark in key), "")
+        keys = [key.replace(mark, name) for name in each[mark]] if mark else [key]
+        wanted = true if isinstance(true, tuple) else (true,) * len(keys)
+        yield _numbers_of(case, found, figure, keys, wanted, max(least, share * abs(wanted[0])))
 
 
-def _numbers(
+def _numbers_of(
     case: Case,
     found: Outcome,
     name: str,
     keys: Sequence[str],
-    wanted: Sequence[float | None],
+    wanted: Sequence[float],
     within: float,
 ) -> Judged:
-    """Judge one figure, of each foot or of the log."""
+    """Judge one metric, of each foot or of the log."""
     values = [found.figure(key) for key in keys]
-    known = [
-        (value, true)
-        for value, true in zip(values, wanted, strict=True)
-        if value is not None and true is not None
-    ]
+    pairs = zip(values, wanted, strict=True)
     status: Status = "right"
-    if not all(abs(value - true) <= within for value, true in known):
+    if not all(value is None or abs(value - true) <= within for value, true in pairs):
         # The impulse is a check: where it fails and that is said, it is no wrong statement.
         is_said = name == "impulse" and case.excuse and found.says("IMPULSE_IS_NOT_WEIGHT")
         status = "null" if is_said else "wrong"
@@ -279,7 +271,7 @@ def _numbers(
 def _phases(case: Case, recording: Recording, found: Outcome) -> Judged:
     names = recording.robot.feet
     values = [found.figure(f"gait.phase.{name}.mean") for name in names]
-    wanted = [each.phase or 0.0 for each in recording.truth.feet]
+    wanted: Any = recording.truth.metrics["phase"]
     known = [(v, w) for v, w in zip(values, wanted, strict=True) if v is not None]
     # Phases may count from another foot than the first.
     turns = np.exp(2j * np.pi * np.array([v - w for v, w in known])) if known else np.ones(1)
@@ -294,12 +286,13 @@ def _events(case: Case, recording: Recording, found: Outcome) -> Iterator[Judged
     for name, key in (("touchdowns", "touchdown_s"), ("lift-offs", "lift_off_s")):
         missed = invented = silent_feet = 0
         errors: list[float] = []
-        for foot, truth in zip(recording.robot.feet, recording.truth.feet, strict=True):
+        steps = zip(recording.robot.feet, getattr(recording.truth, key), strict=True)
+        for foot, times in steps:
             reported = np.array(found.figure(f"feet.{foot}.{key}") or [])
             if not len(reported) and found.figure(f"feet.{foot}.contact_fraction") is None:
                 silent_feet += 1
                 continue
-            true = np.array(getattr(truth, key))
+            true = np.array(times)
             late, extra = match_events(true, reported, recording.seconds, case)
             errors += [each for each in late if each is not None]
             missed += late.count(None)

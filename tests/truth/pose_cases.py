@@ -197,7 +197,7 @@ def _of_lost_link(recording: Recording) -> Recording:
 
 def _crabwise(recording: Recording) -> Recording:
     ahead, aside = 0.5 * cos(radians(30.0)), -0.5 * sin(radians(30.0))
-    truth = replace(recording.truth, forward_speed_mps=ahead, lateral_speed_mps=aside, froude=None)
+    truth = recording.truth.but(forward_speed_mps=ahead, lateral_speed_mps=aside, froude=None)
     return replace(recording, truth=truth)
 
 

@@ -1,6 +1,6 @@
 """Sensor messages of one robot as columns, and the truth about it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import wraps
 from typing import Any, Concatenate, Literal, ParamSpec, Self
@@ -17,77 +17,42 @@ LOGGED_AFTER_NS = 700_000
 
 
 @dataclass(frozen=True, slots=True)
-class FootTruth:
-    """One foot as it is."""
-
-    touchdown_s: tuple[float, ...]
-    """Within the recording."""
-    lift_off_s: tuple[float, ...]
-    contact_fraction: float
-    stance_s: float | None = None
-    """None where the foot makes no stride; likewise the rest."""
-    swing_s: float | None = None
-    duty_factor: float | None = None
-    stride_period_s: float | None = None
-    stride_length_m: float | None = None
-    """Horizontal."""
-    peak_force_n: float | None = None
-    mean_force_n: float | None = None
-    """Of a stance, of the size."""
-    peak_vertical_force_n: float | None = None
-    mean_vertical_force_n: float | None = None
-    vertical_impulse_ns: float | None = None
-    """Of the whole recording."""
-    braking_impulse_ns: float | None = None
-    """A stance, against the base's forward axis: above 0; as much is propulsive."""
-    slip_m: float | None = None
-    """A stance."""
-    load_share: float | None = None
-    phase: float | None = None
-    """Against the robot's first foot."""
-
-
-@dataclass(frozen=True, slots=True)
 class Truth:
     """What is true of a recording, whatever disturbs its sensors."""
 
     gait_class: str | None
     """None: no gait may be claimed."""
-    feet: tuple[FootTruth, ...]
+    touchdown_s: tuple[tuple[float, ...], ...]
+    """Of each foot, within the recording; also `lift_off_s`."""
+    lift_off_s: tuple[tuple[float, ...], ...]
+    metrics: Mapping[str, Any]
+    """By name, as `judging.FIGURES` has them: of the log, or of each foot; None: not known."""
     sequence: str | None = None
-    forward_speed_mps: float = 0.0
-    lateral_speed_mps: float | None = None
-    yaw_rate_radps: float | None = None
-    path_length_m: float | None = None
-    """Horizontal; also `net_displacement_m`."""
-    net_displacement_m: float | None = None
-    height_m: float | None = None
-    """Of the base over the ground, while it stands or walks; None where it changes."""
-    slope_rad: float = 0.0
-    froude: float | None = None
-    pitch_rad: float | None = None
-    """About the robot's own left; nose up is negative."""
-    climb_m: float | None = None
-    support: dict[int, float] | None = None
-    """Parts of the time in which 0, 1, 2 ... feet are down."""
     segments: tuple[str, ...] = ()
     """Classes one after another, where there are several."""
-    impulse_over_weight: float | None = 1.0
-    static_margin_m: float | None = None
-    """Mean, of the base's ground projection, while three feet are down."""
-    unstable_fraction: float | None = None
-    """Share of the time in which that projection is outside of three feet that are down."""
-    undefined_fraction: float | None = None
-    """Share of the time in which fewer than three feet are down."""
-    energy_margin_m: float | None = None
-    """Mean, on level ground."""
-    pressure_m: tuple[float | None, float | None] = None, None
-    """Mean place of the centre of pressure ahead of the base and to its left, on level ground."""
-    felt_mps2: float | None = None
-    """Mean of an accelerometer along the vertical, over whole strides."""
     falls_s: tuple[float, ...] = ()
     seams_s: tuple[float, ...] = ()
     """Where feet stand elsewhere at once, as recordings were joined."""
+
+    def but(self, **metrics: Any) -> Self:
+        """Return the same with other metrics."""
+        return replace(self, metrics={**self.metrics, **metrics})
+
+    @property
+    def stride_s(self) -> Any:
+        """Duration of all strides; None: the feet make none."""
+        return self.metrics.get("stride_period_s")
+
+    def of_feet(self, rows: Sequence[int]) -> Self:
+        """Return what is true of some feet only."""
+
+        def kept(values: Any) -> Any:
+            is_of_feet = isinstance(values, tuple) and len(values) == len(self.touchdown_s)
+            return tuple(values[row] for row in rows) if is_of_feet else values
+
+        steps = {name: kept(getattr(self, name)) for name in ("touchdown_s", "lift_off_s")}
+        found = {name: kept(values) for name, values in self.metrics.items()}
+        return replace(self, metrics=found, **steps)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ and the part of the weight that each foot carries. Curves go straight from knot 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import reduce
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from tests.truth.recording import (
     LOGGED_AFTER_NS,
     BaseRecording,
     FootRecording,
-    FootTruth,
     Recording,
     Truth,
     nanoseconds,
@@ -65,7 +64,9 @@ class Scene:
         velocity = np.gradient(position, time, axis=0)
         base = BaseRecording.sent(time, position, about_axis(0, curve(self.roll, time)), velocity)
         feet = tuple(self._foot(foot, time, position) for foot in range(len(self.robot.feet)))
-        return Recording(self.robot, feet, base, self.truth, self.seconds)
+        down = tuple(float(foot.touching.mean()) for foot in feet)
+        truth = replace(self.truth, metrics={"contact_fraction": down, **self.truth.metrics})
+        return Recording(self.robot, feet, base, truth, self.seconds)
 
     def _foot(self, foot: int, time: Floats, base: Floats) -> FootRecording:
         zero, up = np.zeros_like(time), np.array([0.0, 0.0, 1.0])
@@ -81,16 +82,24 @@ class Scene:
         return FootRecording.sent(time, touching, force, point, normal, about_axis(1, zero))
 
 
-def _no_steps(contact_fraction: float = 1.0) -> tuple[FootTruth, ...]:
-    return (FootTruth((), (), contact_fraction),) * 4
-
-
+_NEVER: Final = ((),) * 4
 STILL: Final = Truth(
-    "stand", _no_steps(), path_length_m=0.0, height_m=0.45, static_margin_m=0.15,
-    energy_margin_m=float(np.hypot(0.45, 0.15) - 0.45),
-)  # fmt: skip
-MOVING = replace(STILL, energy_margin_m=None)
+    "stand",
+    _NEVER,
+    _NEVER,
+    {
+        "forward_speed_mps": 0.0,
+        "path_length_m": 0.0,
+        "height_m": 0.45,
+        "slope_rad": 0.0,
+        "impulse_over_weight": 1.0,
+        "static_margin_m": 0.15,
+        "energy_margin_m": float(np.hypot(0.45, 0.15) - 0.45),
+    },
+)
+MOVING: Final = STILL.but(energy_margin_m=None)
 """The same at a height that changes."""
+RISING: Final = MOVING.but(height_m=None)
 
 
 def standing() -> Scene:
@@ -109,32 +118,27 @@ def shifting_weight() -> Scene:
 def crouching() -> Scene:
     """Stand, crouch with all the weight on the feet, and rise again."""
     height = ((2.0, 0.45), (3.0, 0.2), (5.0, 0.2), (6.0, 0.45))
-    return Scene(replace(MOVING, height_m=None, path_length_m=0.0), height=height)
+    return Scene(RISING, height=height)
 
 
 def sitting_down() -> Scene:
     """Stand, then sit down slowly: the belly takes most of the weight from the feet."""
     height = ((3.0, 0.45), (5.0, 0.14))
     load = ((4.5, 0.25), (5.2, 0.05))
-    truth = replace(MOVING, height_m=None, path_length_m=0.0, impulse_over_weight=None)
-    return Scene(truth, height=height, loads=(load,) * 4)
+    return Scene(RISING.but(impulse_over_weight=None), height=height, loads=(load,) * 4)
 
 
 def sitting() -> Scene:
     """Sit on the belly, no foot loaded."""
-    truth = replace(
-        MOVING, gait_class=None, feet=_no_steps(0.0), height_m=None, static_margin_m=None,
-        impulse_over_weight=None,
-    )  # fmt: skip
-    return Scene(truth, height=((0.0, 0.14),), loads=(NONE,) * 4)
+    truth = RISING.but(contact_fraction=None, static_margin_m=None, impulse_over_weight=None)
+    return Scene(replace(truth, gait_class=None), height=((0.0, 0.14),), loads=(NONE,) * 4)
 
 
 def standing_up() -> Scene:
     """Lie on the belly, then stand up."""
     height = ((3.0, 0.14), (5.0, 0.45))
     load = ((2.8, 0.05), (3.5, 0.25))
-    truth = replace(MOVING, height_m=None, path_length_m=0.0, impulse_over_weight=None)
-    return Scene(truth, height=height, loads=(load,) * 4)
+    return Scene(RISING.but(impulse_over_weight=None), height=height, loads=(load,) * 4)
 
 
 def carried() -> Scene:
@@ -142,18 +146,14 @@ def carried() -> Scene:
     height = ((2.0, 0.45), (3.0, 1.0), (5.0, 1.0), (6.0, 0.45))
     forward = ((3.0, 0.0), (5.0, 2.0))
     load = ((1.98, 0.25), (2.02, 0.0), (5.98, 0.0), (6.02, 0.25))
-    foot = FootTruth(touchdown_s=(6.0,), lift_off_s=(2.0,), contact_fraction=0.5)
-    truth = replace(
-        MOVING,
-        gait_class=None,
-        feet=(foot,) * 4,
-        height_m=None,
+    truth = RISING.but(
         path_length_m=2.0,
         forward_speed_mps=0.25,
         impulse_over_weight=None,
         static_margin_m=None,
-        energy_margin_m=None,
     )
+    lands, leaves = ((6.0,),) * 4, ((2.0,),) * 4
+    truth = replace(truth, gait_class=None, touchdown_s=lands, lift_off_s=leaves)
     # While it stands again, its feet are where it was put down.
     return Scene(truth, height=height, forward=forward, loads=(load,) * 4, rolls=True)
 
@@ -163,10 +163,7 @@ def falling() -> Scene:
     height = ((4.0, 0.45), (4.5, 0.1))
     roll = ((4.0, 0.0), (4.5, 1.4))
     sides = ((4.0, 0.25), (4.5, 0.08)), ((4.0, 0.25), (4.4, 0.0))
-    truth = replace(
-        MOVING, height_m=None, path_length_m=0.0, impulse_over_weight=None,
-        static_margin_m=None, falls_s=(4.0,),
-    )  # fmt: skip
+    truth = replace(RISING.but(impulse_over_weight=None, static_margin_m=None), falls_s=(4.0,))
     return Scene(truth, height=height, roll=roll, loads=(sides[1], sides[0]) * 2)
 
 
@@ -174,17 +171,13 @@ def tipping() -> Scene:
     """Stand, then tip over a side; the recording ends on the way down."""
     roll = ((7.0, 0.0), (8.0, 0.35))
     left, right = ((7.0, 0.25), (7.8, 0.0)), ((7.0, 0.25), (7.8, 0.5))
-    return Scene(
-        replace(MOVING, static_margin_m=None),
-        roll=roll,
-        loads=(left, right) * 2,
-    )
+    return Scene(MOVING.but(static_margin_m=None), roll=roll, loads=(left, right) * 2)
 
 
 def rolling() -> Scene:
     """Drive on wheels, all of them loaded."""
-    truth = replace(STILL, gait_class=None, forward_speed_mps=0.5, path_length_m=4.0)
-    return Scene(truth, forward=((0.0, 0.0), (8.0, 4.0)), rolls=True)
+    truth = STILL.but(forward_speed_mps=0.5, path_length_m=4.0)
+    return Scene(replace(truth, gait_class=None), forward=((0.0, 0.0), (8.0, 4.0)), rolls=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,38 +232,39 @@ def _joined(first: _Columns, second: _Columns, later: float, moved: Floats) -> _
     return replace(first, **columns)
 
 
+_ANEW: Final = (
+    "vertical_impulse_ns", "net_displacement_m", "undefined_fraction", "unknown_fraction",
+    "energy_margin_m", "pressure_forward_m", "pressure_left_m", "height_m", "impulse_over_weight",
+    "support", "flight_fraction", "froude", "climb_m",
+)  # fmt: skip
+"""Metrics that are those of neither part."""
+
+
 def _joined_truth(first: Recording, second: Recording, later: float) -> Truth:
     truths, whole_s = (first.truth, second.truth), first.seconds + second.seconds
-    feet = []
-    for row, (one, other) in enumerate(zip(*(truth.feet for truth in truths), strict=True)):
-        was, is_now = first.feet[row].touching[-1], second.feet[row].touching[0]
-        lands = [0.0] * bool(is_now and not was) + list(other.touchdown_s)
-        leaves = [0.0] * bool(was and not is_now) + list(other.lift_off_s)
-        down_s = one.contact_fraction * first.seconds + other.contact_fraction * second.seconds
-        foot = replace(
-            one,
-            touchdown_s=(*one.touchdown_s, *(each + later for each in lands)),
-            lift_off_s=(*one.lift_off_s, *(each + later for each in leaves)),
-            contact_fraction=down_s / whole_s,
-            vertical_impulse_ns=None,
-        )
-        feet.append(foot)
-    ways = [truth.path_length_m for truth in truths]
-    way = sum(each.truth.forward_speed_mps * each.seconds for each in (first, second))
+    lands, leaves = [], []
+    for row, (one, other) in enumerate(zip(first.feet, second.feet, strict=True)):
+        was, is_now = one.touching[-1], other.touching[0]
+        landed = (0.0,) * bool(is_now and not was) + truths[1].touchdown_s[row]
+        left = (0.0,) * bool(was and not is_now) + truths[1].lift_off_s[row]
+        lands.append((*truths[0].touchdown_s[row], *(each + later for each in landed)))
+        leaves.append((*truths[0].lift_off_s[row], *(each + later for each in left)))
+
+    def added(name: str) -> Any:
+        parts = zip(truths, (first.seconds, second.seconds), strict=True)
+        return sum(np.multiply(truth.metrics[name], seconds) for truth, seconds in parts)
+
+    ways = [truth.metrics["path_length_m"] for truth in truths]
+    found = first.truth.but(
+        **dict.fromkeys(_ANEW),
+        path_length_m=sum(ways),
+        contact_fraction=tuple(np.broadcast_to(added("contact_fraction"), 4) / whole_s),
+        forward_speed_mps=float(added("forward_speed_mps") / (later + second.seconds)),
+    )
     return replace(
-        first.truth,
-        feet=tuple(feet),
-        path_length_m=None if None in ways else sum(each or 0.0 for each in ways),
-        net_displacement_m=None,
-        undefined_fraction=None,
-        energy_margin_m=None,
-        pressure_m=(None, None),
-        height_m=None,
-        impulse_over_weight=None,
-        forward_speed_mps=way / (later + second.seconds),
-        support=None,
-        froude=None,
-        climb_m=None,
+        found,
+        touchdown_s=tuple(lands),
+        lift_off_s=tuple(leaves),
         falls_s=first.truth.falls_s + tuple(each + later for each in second.truth.falls_s),
         seams_s=(*first.truth.seams_s, later),
     )

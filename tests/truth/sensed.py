@@ -48,7 +48,7 @@ def with_imu(
             sensed = np.concatenate([sensed, np.concatenate([rate, rate[-1:]])], axis=1)
         sensed = sensed + np.random.default_rng(1).normal(0.0, noise_mps2, sensed.shape)
         imu = VectorRecording.sent(base.time, "/imu/data", "imu", sensed, frame)
-        truth = replace(recording.truth, felt_mps2=G)
+        truth = recording.truth.but(accelerometer_mps2=G, forces_over_accelerometer=1.0)
         return replace(recording, beside=(*recording.beside, imu), truth=truth)
 
     return change

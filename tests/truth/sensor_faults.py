@@ -173,26 +173,23 @@ def inertia(row: int, foot: FootRecording, newtons: float) -> FootRecording:
     return replace(foot, force=foot.force + np.outer(swing, (0.3, 0.0, 1.0)))
 
 
-def wobble(newtons: float, turns: int = 2) -> Disturbance:
+def wobble(newtons: float) -> Disturbance:
     """Let feet feel in each swing the legs' inertia, which adds up to nothing.
 
     Args:
-        newtons: largest force along z; a third of it goes forward.
-        turns: half waves in a swing, at least two.
+        newtons: about the largest force along z; a third of it goes forward.
     """
 
-    def change(foot: FootRecording, swing_s: float) -> FootRecording:
+    def change(recording: Recording, foot: FootRecording) -> FootRecording:
         ends = np.flatnonzero(foot.touching[:-1] & ~foot.touching[1:]) + 1
         swing = np.searchsorted(ends, np.arange(len(foot.time)), side="right") - 1
         known = ~foot.touching & (swing >= 0)
         since = foot.time - foot.time[ends[np.maximum(swing, 0)]]
-        part = np.pi * np.clip(since / swing_s, 0.0, 1.0)
-        force = np.where(known, newtons * np.sin(part) * np.sin(turns * part), 0.0)
+        part = np.pi * np.clip(since / recording.truth.metrics["swing_s"], 0.0, 1.0)
+        force = np.where(known, newtons * np.sin(part) * np.sin(2.0 * part), 0.0)
         return replace(foot, force=foot.force + np.outer(force, (0.3, 0.0, 1.0)))
 
-    return lambda recording: recording.each_foot(
-        lambda row, foot: change(foot, recording.truth.feet[row].swing_s or np.inf)
-    )
+    return lambda recording: recording.each_foot(lambda _, foot: change(recording, foot))
 
 
 @of_feet

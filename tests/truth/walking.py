@@ -8,7 +8,9 @@ whole strides is the weight times the time, exactly. Along the slope it brakes a
 is in mid-stance.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +19,6 @@ from tests.truth.geometry import Floats, about_axis, margins, product, turned
 from tests.truth.recording import (
     BaseRecording,
     FootRecording,
-    FootTruth,
     Recording,
     Truth,
     sample_times,
@@ -216,34 +217,84 @@ class Walk:
 
     def truth(self) -> Truth:
         """Return what is true of the walk."""
-        found = self._margins_m()
-        instants = len(sample_times(self.seconds, MARGIN_HZ))
-        x, y = self._way(np.array([self.seconds]))
-        level = not self.slope_rad
-        height = self.robot.height_m
-        rises = [float(np.hypot(each, height)) - height for each in found if each >= 0.0]
+        feet = range(len(self.robot.feet))
         return Truth(
-            gait_class=self.gait.name,
-            sequence=self.gait.sequence,
-            feet=tuple(self._foot_truth(foot) for foot in range(len(self.robot.feet))),
-            forward_speed_mps=self._level * self.speed_mps,
-            yaw_rate_radps=self.turn_radps or None,
-            path_length_m=self._level * abs(self.speed_mps) * self.seconds,
-            net_displacement_m=self._level * float(np.hypot(x[0], y[0])),
-            height_m=self.robot.height_m / self._level,
-            slope_rad=self.slope_rad,
-            froude=(self._level * self.speed_mps) ** 2
-            * self._level
-            / (GRAVITY_MPS2 * self.robot.height_m),
-            pitch_rad=-self.slope_rad,
-            climb_m=self.speed_mps * self.seconds * float(np.sin(self.slope_rad)),
-            support=self.gait.support(),
-            static_margin_m=float(np.mean(found)) if found else None,
-            unstable_fraction=sum(each < 0.0 for each in found) / instants if found else None,
-            undefined_fraction=1.0 - len(found) / instants,
-            energy_margin_m=float(np.mean(rises)) if rises and level else None,
-            pressure_m=self._pressure_m() if level else (None, None),
+            self.gait.name,
+            tuple(tuple(self.touchdowns(foot).tolist()) for foot in feet),
+            tuple(tuple(self.lift_offs(foot).tolist()) for foot in feet),
+            {**self._truth_of_feet(), **self._truth_of_base(), **self._truth_of_support()},
+            self.gait.sequence,
         )
+
+    def _truth_of_feet(self) -> dict[str, Any]:
+        def each(of: Callable[[int], Any]) -> tuple[float, ...]:
+            return tuple(float(of(foot)) for foot in range(len(self.robot.feet)))
+
+        def size(foot: int) -> Floats:
+            return np.asarray(np.linalg.norm(self.force(foot, self._stride), axis=1))
+
+        whole = np.linspace(0.0, self.seconds, _MOMENTS)
+        braked = self._level * self.traction * self.stance_s / np.pi
+        shares = each(self.share)
+        pairs = (sum(shares[:2]), sum(shares[::2])) if len(shares) == 4 else (None, None)
+        return {
+            "contact_fraction": each(self._contact_fraction),
+            "duty_factor": self.gait.duty,
+            "stance_s": self.stance_s,
+            "swing_s": self.period_s - self.stance_s,
+            "stride_period_s": self.period_s,
+            "stride_frequency_hz": 1.0 / self.period_s,
+            "stride_length_m": each(self._stride_length_m),
+            "peak_force_n": each(lambda foot: size(foot).max()),
+            "mean_force_n": each(lambda foot: size(foot).mean() / self.gait.duty),
+            "peak_vertical_force_n": None if self.slope_rad else each(self.peak_vertical_n),
+            "mean_vertical_force_n": each(self.mean_vertical_n),
+            "vertical_impulse_ns": each(
+                lambda foot: self.force(foot, whole)[:, 2].mean() * self.seconds
+            ),
+            "braking_impulse_ns": each(lambda foot: braked * self.mean_vertical_n(foot)),
+            "propulsive_impulse_ns": each(lambda foot: braked * self.mean_vertical_n(foot)),
+            "slip_m": self.slip_m,
+            "load_share": shares,
+            "load_share_fore": pairs[0],
+            "load_share_left": pairs[1],
+            "phase": each(lambda foot: self.gait.phases[foot] - self.gait.phases[0]),
+        }
+
+    def _truth_of_base(self) -> dict[str, Any]:
+        x, y = self._way(np.array([self.seconds]))
+        level, height, speed_mps = self._level, self.robot.height_m, self.speed_mps
+        return {
+            "forward_speed_mps": level * speed_mps,
+            "yaw_rate_radps": self.turn_radps or None,
+            "yaw_change_rad": self.turn_radps * self.seconds or None,
+            "path_length_m": level * abs(speed_mps) * self.seconds,
+            "net_displacement_m": level * float(np.hypot(x[0], y[0])),
+            "height_m": height / level,
+            "slope_rad": abs(self.slope_rad),
+            "froude": (level * speed_mps) ** 2 * level / (GRAVITY_MPS2 * height),
+            "pitch_rad": -self.slope_rad,
+            "climb_m": speed_mps * self.seconds * float(np.sin(self.slope_rad)),
+        }
+
+    def _truth_of_support(self) -> dict[str, Any]:
+        found, height = self._margins_m(), self.robot.height_m
+        instants = len(sample_times(self.seconds, MARGIN_HZ))
+        rises = [float(np.hypot(each, height)) - height for each in found if each >= 0.0]
+        support, is_level = self.gait.support(), not self.slope_rad
+        forward, left = self._pressure_m() if is_level else (None, None)
+        return {
+            "impulse_over_weight": 1.0,
+            "support": support,
+            "flight_fraction": support[0],
+            "static_margin_m": float(np.mean(found)) if found else None,
+            "unstable_fraction": sum(each < 0.0 for each in found) / instants if found else None,
+            "undefined_fraction": 1.0 - len(found) / instants,
+            "unknown_fraction": 0.0,
+            "energy_margin_m": float(np.mean(rises)) if rises and is_level else None,
+            "pressure_forward_m": forward,
+            "pressure_left_m": left,
+        }
 
     def _pressure_m(self) -> tuple[float, float]:
         """Return the mean centre of pressure ahead of the base and to its left."""
@@ -263,34 +314,6 @@ class Walk:
         soles = np.stack([self.sole(foot, time)[:, :2] for foot in feet], axis=1)
         down = np.stack([self.cycles(foot, time) % 1.0 < self.gait.duty for foot in feet], axis=1)
         return margins(soles, down, self.base(time)[:, :2])
-
-    def _foot_truth(self, foot: int) -> FootTruth:
-        duty, phases = self.gait.duty, self.gait.phases
-        size = np.linalg.norm(self.force(foot, self._stride), axis=1)
-        whole = self.force(foot, np.linspace(0.0, self.seconds, _MOMENTS))[:, 2]
-        return FootTruth(
-            touchdown_s=tuple(self.touchdowns(foot).tolist()),
-            lift_off_s=tuple(self.lift_offs(foot).tolist()),
-            contact_fraction=self._contact_fraction(foot),
-            stance_s=self.stance_s,
-            swing_s=self.period_s - self.stance_s,
-            duty_factor=duty,
-            stride_period_s=self.period_s,
-            stride_length_m=self._stride_length_m(foot),
-            peak_force_n=float(size.max()),
-            mean_force_n=float(size.mean()) / duty,
-            vertical_impulse_ns=float(whole.mean()) * self.seconds,
-            peak_vertical_force_n=None if self.slope_rad else self.peak_vertical_n(foot),
-            mean_vertical_force_n=self.mean_vertical_n(foot),
-            braking_impulse_ns=self._level
-            * self.traction
-            * self.mean_vertical_n(foot)
-            * self.stance_s
-            / np.pi,
-            slip_m=self.slip_m,
-            load_share=self.share(foot),
-            phase=(phases[foot] - phases[0]) % 1.0,
-        )
 
     def _stride_length_m(self, foot: int) -> float:
         """Return the chord of the foot's own circle, or of a straight way."""

@@ -22,6 +22,7 @@ from dogbot_logtool.core.arrays import (
     interpolated,
     median_of,
     median_of_known,
+    middles,
     norms,
 )
 from dogbot_logtool.core.base.ground import RATE_HZ, FootPath, contact_path, footfalls
@@ -383,10 +384,10 @@ def by_twist(poses: BaseHistory) -> Witness | None:
     if len(poses.velocity) != len(poses.time) or not poses.velocity.any():
         return None
     velocity = np.where(all_finite(poses.velocity)[:, None], poses.velocity, 0.0)
-    step = (velocity[1:] + velocity[:-1]) / 2.0 * (np.diff(poses.time)[:, None] / 1e9)
+    step = middles(velocity) * (np.diff(poses.time)[:, None] / 1e9)
     step = step[:, 0] + 1j * step[:, 1]
     own = np.diff(poses.position[:, 0] + 1j * poses.position[:, 1])
-    turned = step * np.exp(1j * (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0)
+    turned = step * np.exp(1j * middles(poses.angles[:, 2]))
     nearer = min(step, turned, key=lambda each: float(np.abs(each - own).sum()))
     at = np.concatenate([[0.0], np.cumsum(nearer)])
     position = np.stack([at.real, at.imag, np.zeros(len(at))], axis=1)

@@ -112,9 +112,9 @@ def odd_forces(walk: Walk) -> Iterator[Finding]:
         if foot_is_saturated(walk, row):
             limit_n = walk.settings.feet[row].level.limit_n
             yield found("SATURATED", feet=(name,), limit_n=limit_n)
-        if foot.spikes:
+        if spikes := len(foot.spikes):
             where = f"feet.{name}.peak_force_n"
-            yield found("SPIKES", where=where, foot=name, spikes=foot.spikes)
+            yield found("SPIKES", where=where, foot=name, spikes=spikes)
         flickers = record.filled_swings + record.dropped_stances
         if flickers > max(2.0, 0.2 * len(whole)):
             # A stiff foot bounces at each touchdown.

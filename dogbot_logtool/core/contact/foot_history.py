@@ -18,7 +18,6 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Flags,
-    Floats,
     Ints,
     flagged_runs,
     latched,
@@ -35,6 +34,7 @@ from dogbot_logtool.core.contact.stances import (
     StanceFigures,
     Stances,
     foot_track,
+    lone_spikes,
     stance_figures,
 )
 
@@ -118,6 +118,8 @@ class FootHistory:
     """(n,) whether each sample of `track` is in a stance."""
     scuffs: Ints = field(default_factory=timespans.no_spans)
     """(u, 2) ns, short and light touches in swings; no stances."""
+    spikes: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    """(s,) samples of `track` that are faults of the sensor; left out of the stances' figures."""
 
     def contact_fraction(self, within: Ints = timespans.ALWAYS) -> float | None:
         """Return time in contact over time known; None where nothing is known.
@@ -136,6 +138,7 @@ class FootHistory:
             self,
             has_force=False,
             stances=self.stances._replace(figures=nothing),
+            spikes=self.spikes[:0],
         )
 
     def stopped_in(self, spans: Ints) -> "FootHistory":
@@ -194,13 +197,14 @@ def foot_history(
     used = len(samples.foot)
     track, samples, not_finite = foot_track(samples, clock, force_in_world=force_in_world)
     time, force = track.time, track.force
-    contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
+    is_low = (force < rule.off_n) | (force == 0.0)
+    contact = samples.in_contact if rule.by_flag else latched(force >= rule.on_n, is_low)
     # Turned into the world, a constant force differs in its last digits.
     equal = np.abs(np.diff(force)) <= _SAME * force[1:]
     loaded = equal[contact[1:] & contact[:-1]]
     enough = has_force and len(loaded) >= _STUCK_SAMPLES
     if not rule.by_flag:
-        contact = backdated(contact, time, force, rule.off_n)
+        contact = backdated(contact, time, is_low)
     shortest = rule.debounce_s, rule.brief_s or 0.0
     starts, ends, filled, dropped = find_stances(time, contact, *shortest)
     is_scuff = _scuffs(track, starts, ends)
@@ -211,9 +215,7 @@ def foot_history(
         starts, ends = joined_bounces(time, starts, ends)
         filled += stances - len(starts)
 
-    gaps = track.gaps
-    if len(breaks):
-        gaps = timespans.merge(np.concatenate([gaps, breaks]))
+    gaps = timespans.merge(np.concatenate([track.gaps, breaks]))
     known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
 
     steps, touchdown, liftoff = np.diff(time), time[starts], time[ends]
@@ -222,7 +224,9 @@ def foot_history(
     if contact[-1:].any():
         cut[-1:] = Cut.LOG_END
     cut[starts == 0] = Cut.LOG_START
-    figures = stance_figures(samples, track, starts, ends, rule.on_n)
+    spikes = lone_spikes(track, starts, ends)
+    calm = track.without(spikes) if len(spikes) else track
+    figures = stance_figures(samples, calm, starts, ends, rule.on_n)
     history = FootHistory(
         messages=messages,
         not_finite=not_finite,
@@ -240,6 +244,7 @@ def foot_history(
         track=track,
         down=rows_in_stances(starts, ends, contact),
         scuffs=scuffs,
+        spikes=spikes,
     )
     return history if has_force else history.without_force()
 
@@ -273,19 +278,6 @@ LONGEST_RISE_S: Final = 0.1
 """s: a touchdown is dated back by no more."""
 
 
-def schmitt(force: Floats, rule: ContactRule) -> Flags:
-    """Trigger with two thresholds: between them, the state stays what it was, at first off.
-
-    Args:
-        force: (n,) N.
-        rule: thresholds.
-
-    Returns:
-        (n,) bool.
-    """
-    return latched(force >= rule.on_n, (force < rule.off_n) | (force == 0.0))
-
-
 def silent_before(time: Ints) -> Flags:
     """(n,) tell whether nothing is known just before: the first sample, or one after a silence.
 
@@ -297,7 +289,7 @@ def silent_before(time: Ints) -> Flags:
     return silent
 
 
-def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
+def backdated(contact: Flags, time: Ints, is_low: Flags) -> Flags:
     """Date touchdowns back to where the force rose above the off threshold.
 
     A rise lasts `LONGEST_RISE_S` at most and does not reach over a silence.
@@ -305,8 +297,7 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     Args:
         contact: (n,) state of the Schmitt trigger.
         time: (n,) ns, strictly increasing.
-        force: (n,) N.
-        off_n: N, the off threshold.
+        is_low: (n,) whether the force is below the off threshold.
 
     Returns:
         (n,) bool.
@@ -314,7 +305,7 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     begins = np.flatnonzero(contact[1:] & ~contact[:-1]) + 1
     # The row after the last low one, or the last after a silence, up to each touchdown.
     rises = silent_before(time)
-    rises[1:] |= ((force < off_n) | (force == 0.0))[:-1]
+    rises[1:] |= is_low[:-1]
     edges = np.flatnonzero(rises)
     since = edges[np.searchsorted(edges, begins, side="right") - 1]
     earliest = np.searchsorted(time, time[begins] - round(LONGEST_RISE_S * 1e9))

@@ -60,7 +60,6 @@ _ROUNDS: Final = 5
 _ENTER, _LEAVE = 0.1, 0.35
 """Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
 first, and ends above the second."""
-_BINS: Final = 128
 SAME: Final = 1e-9
 """Share of a force by which it differs in its last digits only."""
 
@@ -405,15 +404,16 @@ def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     none = np.empty((0, 2), np.int64)
     if high - low <= SAME * abs(peak):
         return Modes(none, none, none, raises, reason=CONSTANT)
-    enter = leave = _otsu(np.clip(values, low, high))
+    enter = leave = (low + high) / 2.0
     for _ in range(_ROUNDS):
-        below = _hysteresis(values, enter, leave)
+        below = latched(values <= enter, values > leave)
         swings, stances = _visits(below, runs), _visits(~below, runs)
         swing, width = _mode(values, swings)
         enter, leave = (swing + share * (peak - swing) for share in (_ENTER, _LEAVE))
     stance, _ = _mode(values, stances)
     # From the first to the last sample below `enter` that none above `leave` parts.
-    low_rows = _hysteresis(values, enter, leave) & _hysteresis(values[::-1], enter, leave)[::-1]
+    low_rows = latched(values <= enter, values > leave)
+    low_rows &= latched(values[::-1] <= enter, values[::-1] > leave)[::-1]
     return Modes(swings, stances, _visits(low_rows, runs), raises, swing, stance, width)
 
 
@@ -479,25 +479,6 @@ def strays(values: Floats, visits: Ints) -> tuple[Floats, Ints]:
     """(m, k) how far each sample, of (n, k), is from the median of its visit; (m,) its row."""
     rows, run, _ = rows_of_runs(*visits.T)
     return np.asarray(values[rows] - visit_medians(values, visits)[run]), rows
-
-
-def _otsu(values: Floats) -> float:
-    """Return the value that parts two classes best (Otsu 1979, IEEE Trans. SMC 9:62)."""
-    counts, edges = np.histogram(values, _BINS)
-    middles = (edges[:-1] + edges[1:]) / 2.0
-    below = np.cumsum(counts)[:-1]
-    above = len(values) - below
-    sum_below = np.cumsum(counts * middles)[:-1]
-    mean_below = sum_below / np.maximum(below, 1)
-    mean_above = ((counts * middles).sum() - sum_below) / np.maximum(above, 1)
-    between = below * above * (mean_above - mean_below) ** 2
-    best = np.flatnonzero(between >= between.max() * (1.0 - 1e-9))
-    return float(edges[1:][best].mean())
-
-
-def _hysteresis(values: Floats, enter: float, leave: float) -> Flags:
-    """(n,): below from `enter` down, until above `leave`."""
-    return latched(values <= enter, values > leave)
 
 
 def _visits(flags: Flags, runs: Ints) -> Ints:

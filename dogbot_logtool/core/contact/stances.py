@@ -25,7 +25,7 @@ from dogbot_logtool.core.arrays import (
     sorted_runs,
     trapezoids,
 )
-from dogbot_logtool.core.clock import TimeSource, advancing, first_at_each_tick
+from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
 from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.quality import steady_gap_ns
 
@@ -65,6 +65,13 @@ class FootTrack(NamedTuple):
         """N s, of the vertical force, where that is known; one column."""
         return Integral(self.time, self.impulse.total[:, 2:])
 
+    def without(self, spikes: Ints) -> "FootTrack":
+        """Return samples of which some, by their rows, have the force of the ones before them."""
+        force, vertical = self.force.copy(), self.vertical_force.copy()
+        for values in (force, vertical):
+            values[spikes] = values[spikes - 1]
+        return self._replace(force=force, vertical_force=vertical)
+
     def mean_force(self, begin: Ints, end: Ints) -> Floats:
         """(m, 3) N, along the world's axes, between some times; NaN where not known."""
         added = self.impulse.added(begin, end)
@@ -88,18 +95,15 @@ def foot_track(
     time, force = clock.of(samples), norms(samples.force)
     usable = np.isfinite(force)
     not_finite = len(usable) - int(usable.sum())
-    if clock is TimeSource.HEADER:
-        usable &= time != 0
-    usable[usable] = advancing(time[usable])
-    row = np.flatnonzero(usable).astype(np.int32)
-    if len(row) < len(usable):
-        samples, time, force = samples.pick(usable), time[usable], force[usable]
+    rows = rows_in_time(samples, clock, usable)
+    if len(rows) < len(usable):
+        samples, time, force = samples.pick(rows), time[rows], force[rows]
     known = samples.in_world | force_in_world | (force == 0.0)
     vertical = np.where(known, samples.force[:, 2], np.nan)
     steps = np.diff(time)
     gap = steps > steady_gap_ns(steps)
-    rows = np.flatnonzero(all_finite(samples.position))
-    rows = rows[first_at_each_tick(time[rows], POINT_RATE_HZ)]
+    placed = np.flatnonzero(all_finite(samples.position))
+    placed = placed[first_at_each_tick(time[placed], POINT_RATE_HZ)]
     # From the last known vertical force, or the start, to the next known one.
     first, behind = flagged_runs(~known).T
     first, behind = np.maximum(first - 1, 0), np.minimum(behind, len(time) - 1)
@@ -107,12 +111,12 @@ def foot_track(
     known_s = seconds * (known[1:] & known[:-1])
     track = FootTrack(
         time=time,
-        row=row,
+        row=rows.astype(np.int32),
         log_time=samples.log_time,
         force=force,
         vertical_force=vertical,
         horizontal_force=samples.force[:, :2],
-        contact_points=(time[rows], samples.position.take(rows, axis=0).astype(np.float64)),
+        contact_points=(time[placed], samples.position.take(placed, axis=0).astype(np.float64)),
         gaps=np.stack([time[:-1][gap], time[1:][gap]], axis=1),
         force_impulse=Integral(time, trapezoids(seconds, force[:, None])),
         impulse=Integral(time, trapezoids(known_s, samples.force)),
@@ -187,6 +191,11 @@ SPIKE: Final = 2.0
 """Times its neighbours and the rest of its stance that a lone spike is at least."""
 FEWEST_FOR_SPIKES: Final = 5
 """Samples of a stance from which one of them can stand out."""
+SAME_PHASE: Final = 0.05
+"""Share of a stance within which spikes of several stances are at the same phase."""
+RECURS: Final = 0.2
+"""Share of stances with a spike at the same phase from which it is an impact."""
+FEWEST_IMPACTS: Final = 3
 _PORTION_ROWS: Final = 65_536
 """Samples of stances that are worked on at once, to spare memory."""
 
@@ -209,13 +218,6 @@ class StanceFigures(NamedTuple):
     """N, highest |F|."""
     mean_force_n: Floats
     """N, mean of |F| over the samples."""
-    spikes: Floats
-    """Number of samples that stand alone, far above all others of the stance; see `_spikes`."""
-    spike_phase: Floats
-    """Share of the stance before the highest of them; NaN without any."""
-    calm_peak_n: Floats
-    """N, highest |F| of the other samples; also `calm_peak_vertical_n`, of the vertical force."""
-    calm_peak_vertical_n: Floats
     peak_vertical_force_n: Floats
     mean_vertical_force_n: Floats
     vertical_impulse_ns: Floats
@@ -267,6 +269,42 @@ class Stances(NamedTuple):
         return Stances(self.touchdown[rows], self.liftoff[rows], self.cut[rows], figures)
 
 
+@np.errstate(over="ignore")
+def lone_spikes(track: FootTrack, begin: Ints, end: Ints) -> Ints:
+    """Find the samples that are a fault of the sensor: each stands alone, far above its stance.
+
+    It is at least `SPIKE` times its neighbours, and as much above every sample of the stance that
+    does not stand out of its neighbours so. The first sample is the foot's impact, whatever it is;
+    so is what recurs at the same phase of many stances, while a fault comes at random.
+
+    Args:
+        track: of a foot.
+        begin: (k,) rows of touchdowns.
+        end: (k,) rows that end the stances.
+
+    Returns:
+        (s,) rows.
+    """
+    if not len(begin):
+        return begin
+    own, others = track.force[1:-1], track.force.copy()
+    rows = 1 + np.flatnonzero((own > SPIKE * track.force[:-2]) & (own > SPIKE * track.force[2:]))
+    stance = np.searchsorted(begin, rows) - 1
+    inside = (stance >= 0) & (rows < end[stance])
+    rows, stance = rows[inside], stance[inside]
+    others[rows] = 0.0
+    highest = np.maximum.reduceat(others, np.stack([begin, end], axis=1).ravel())[::2]
+    duration = track.time[end] - track.time[begin]
+    can_tell = (end - begin >= FEWEST_FOR_SPIKES) & (duration <= LONGEST_STANCE_S * 1e9)
+    spikes = can_tell[stance] & (track.force[rows] > SPIKE * highest[stance])
+    rows, stance = rows[spikes], stance[spikes]
+    phase = (track.time[rows] - track.time[begin[stance]]) / duration[stance]
+    ordered = np.sort(phase)
+    near = np.searchsorted(ordered, phase + SAME_PHASE, side="right")
+    near -= np.searchsorted(ordered, phase - SAME_PHASE)
+    return rows[near < max(FEWEST_IMPACTS, RECURS * len(begin))]
+
+
 def stance_figures(
     samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: float
 ) -> StanceFigures:
@@ -297,7 +335,7 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     rows, stance, first = rows_of_runs(begin, end)
     force, vertical = track.force[rows], track.vertical_force[rows].astype(np.float64)
     time = (track.time[rows] - track.time[begin][stance]) / 1e9
-    count, ends_s = end - begin, (track.time[end] - track.time[begin]) / 1e9
+    count = end - begin
     peak, mean, total_vertical = (
         np.maximum.reduceat(force, first),
         np.add.reduceat(force, first) / count,
@@ -305,19 +343,11 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
     )
     median = quantiles(sorted_runs(force, first), first, first + count, 0.5)
     impact = np.maximum.reduceat(np.where(time <= IMPACT_S, force, -np.inf), first)
-    spike = _spikes(track.force, rows, stance, first)
-    highest = np.flatnonzero(spike)[np.argsort(force[spike], kind="stable")]
-    spike_phase = np.full(len(begin), np.nan)
-    spike_phase[stance[highest]] = (time / ends_s[stance])[highest]
     impulse = track.impulse.total[:, 2]
     travel, reach = contact_travel(samples, track, begin, end, mean)
     found = StanceFigures(
         peak_force_n=peak,
         mean_force_n=mean,
-        spikes=np.bincount(stance[spike], minlength=len(begin)).astype(np.float64),
-        spike_phase=spike_phase,
-        calm_peak_n=np.maximum.reduceat(np.where(spike, -np.inf, force), first),
-        calm_peak_vertical_n=np.maximum.reduceat(np.where(spike, -np.inf, vertical), first),
         peak_vertical_force_n=np.maximum.reduceat(vertical, first),
         mean_vertical_force_n=total_vertical / count,
         vertical_impulse_ns=impulse[end] - impulse[np.maximum(begin - 1, 0)] + 0.0 * total_vertical,
@@ -328,27 +358,6 @@ def _reduced(samples: Samples, track: FootTrack, begin: Ints, end: Ints, on_n: f
         friction_use=_friction_use(samples, track, rows, stance, on_n),
     )
     return np.stack(found)
-
-
-def _spikes(force: Floats, rows: Ints, stance: Ints, first: Ints) -> Flags:
-    """(m,) whether a sample stands alone, far above all others of its stance.
-
-    It is at least `SPIKE` times its neighbours, and as much above every sample of the stance that
-    does not stand out of its neighbours so. The first sample is the foot's impact, whatever it is.
-
-    Args:
-        force: (n,) N, of all samples.
-        rows: (m,) those in stances.
-        stance: (m,) the stance of each.
-        first: (k,) where each stance begins among these.
-    """
-    own, after = force[rows], force[np.minimum(rows + 1, len(force) - 1)]
-    alone = (own > SPIKE * force[rows - 1]) & (own > SPIKE * after)
-    alone[first] = False
-    others = np.maximum.reduceat(np.where(alone, 0.0, own), first)
-    enough = np.bincount(stance) >= FEWEST_FOR_SPIKES
-    spikes: Flags = alone & enough[stance] & (own > SPIKE * others[stance])
-    return spikes
 
 
 def _friction_use(

@@ -11,7 +11,7 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, Ints, all_finite, distinct, picked
 from dogbot_logtool.core.clock import TimeSource, advancing
-from dogbot_logtool.core.quality import TopicQuality, topic_quality, topic_times
+from dogbot_logtool.core.quality import TopicQuality, topic_quality
 from dogbot_logtool.core.rotations import multiply, normalised, rotate, slerp
 
 Edge = tuple[str, str]
@@ -237,13 +237,13 @@ def frame_edge(parent: str, child: str, recorded: Transforms) -> FrameEdge:
         squared_norm = (rotation * rotation).sum(axis=1)
     unit = np.abs(squared_norm - 1.0) <= NORM_TOLERANCE
     moving = ~recorded.static
-    times = topic_times(child, log_time[moving], recorded.stamp[moving])
+    times = child, log_time[moving], recorded.stamp[moving]
     return FrameEdge(
         parent=parent,
         child=child,
         transforms=len(log_time),
         static=int(recorded.static.sum()),
-        timing=topic_quality(times, TimeSource.HEADER) if moving.any() else None,
+        timing=topic_quality(*times, TimeSource.HEADER) if moving.any() else None,
         channels=tuple(distinct(recorded.channel).tolist()),
         first_log_time=int(log_time.min()),
         last_log_time=int(log_time.max()),

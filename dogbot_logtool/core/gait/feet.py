@@ -7,16 +7,14 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Flags, Floats, Ints, aggregate, percentiles_of
+from dogbot_logtool.core.arrays import Floats, Ints, aggregate, percentiles_of
 from dogbot_logtool.core.base.ground import Footfalls, MovingGround
-from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
 from dogbot_logtool.core.gait.strides import Standing, Strides, strides_of, walked_stances
 from dogbot_logtool.core.loads import (
     fore_aft_ns,
-    has_lone_spikes,
     slip_m,
     vertical_impulse_ns,
 )
@@ -43,7 +41,7 @@ class FootSteps(NamedTuple):
     leg_position: LegPosition | None
     record: FootHistory
     stances: Stances
-    """All stances, those in a fall or a stand marked as cut; peaks are without lone spikes."""
+    """All stances, those in a fall or a stand marked as cut."""
     strides: Strides
     discarded: Mapping[str, int]
     """Stances that begin no whole stride, by reason."""
@@ -64,8 +62,6 @@ class FootSteps(NamedTuple):
     """Whether its sensor never reports a contact, and nothing says that it is lifted."""
     contact_known: bool
     """Whether its sensor tells contact, and nothing refutes it."""
-    has_spikes: Flags
-    """(stances,) which have lone spikes."""
     heading: Floats
     """(stances,) rad, of the base's forward axis in the middle of each stance; NaN: not known."""
     stood: Footfalls
@@ -82,9 +78,11 @@ class FootSteps(NamedTuple):
         return timespans.no_spans() if self.is_dead else self.record.known
 
     @property
-    def spikes(self) -> int:
-        """Lone spikes of its force in whole stances; kept out of the peaks."""
-        return int(self.stances.figures.spikes[self.has_spikes & self.stances.whole].sum())
+    def spikes(self) -> Ints:
+        """(s,) samples of its track with lone spikes of the force, in whole stances."""
+        touchdown, liftoff, whole = self.stances.touchdown, self.stances.liftoff, self.stances.whole
+        spans, spikes = np.stack([touchdown, liftoff], axis=1)[whole], self.record.spikes
+        return spikes[timespans.covers(spans, self.record.track.time[spikes])]
 
 
 def foot_steps(
@@ -115,28 +113,18 @@ def foot_steps(
     foot, rolling_m = settings.feet[row], settings.foot_rolling_m
     stances = walked_stances(record.stances, fallen, standing.without_steps)
     strides, discarded = strides_of(stances, record.gaps, fallen)
-    figures, lone = stances.figures, has_lone_spikes(stances)
-    calm_peak_n, calm_vertical_n = figures.calm_peak_n, figures.calm_peak_vertical_n
-    figures = figures._replace(
-        peak_force_n=np.where(lone, calm_peak_n, figures.peak_force_n),
-        peak_vertical_force_n=np.where(lone, calm_vertical_n, figures.peak_vertical_force_n),
-    )
-    calm = np.where(lone, np.nan, 0.0)
-    stances = stances._replace(figures=figures)
+    figures = stances.figures
     heading = base.yaw_at(stances.middle) + settings.forward_rad
-    # A spike may be as large as all that brakes.
-    spiked = np.where(figures.spikes > 0.0, np.nan, 0.0)
-    braking, propulsive = fore_aft_ns(record, heading) + spiked
+    braking, propulsive = fore_aft_ns(record, heading)
     of_stances = {name: getattr(figures, name) for name in FIGURES} | {
         "stance_s": stances.duration_s,
         "slip_m": slip_m(figures.contact_travel_m, rolling_m),
         "slip_largest_m": slip_m(figures.contact_reach_m, rolling_m),
-        "mean_force_n": figures.mean_force_n + calm,
-        "mean_vertical_force_n": figures.mean_vertical_force_n + calm,
         "braking_impulse_ns": braking,
         "propulsive_impulse_ns": propulsive,
     }
-    travelled = stride_lengths(base, strides.touchdown, strides.end)
+    way = base.position_at(strides.end) - base.position_at(strides.touchdown)
+    travelled = np.hypot(way[:, 0], way[:, 1])
     length, length_from = _own_lengths(stood, ground, strides), "points"
     if not np.isfinite(length).any():
         # A stride in which the base hardly turns is as long for all of its feet.
@@ -168,7 +156,6 @@ def foot_steps(
         slip_from="points",
         is_dead=is_dead,
         contact_known=record.start is not None and not (is_dead or is_refuted),
-        has_spikes=lone,
         heading=heading,
         stood=stood,
     )

@@ -30,12 +30,8 @@ from dogbot_logtool.core.base.leg_odometry import (
     LegOdometry,
     leg_odometry,
 )
-from dogbot_logtool.core.clock import (
-    TimeSource,
-    first_at_each_tick,
-)
+from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
 from dogbot_logtool.core.frames.kinematics import Leg, LegMotion
-from dogbot_logtool.core.legs.joints import usable_rows
 from dogbot_logtool.core.recording import JointTable
 from dogbot_logtool.core.timespans import covers
 
@@ -85,13 +81,16 @@ def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoi
         text = f"joint states of {table.topic} do not tell of {', '.join(lacking)}"
         raise ValueError(f"{text}, which the robot description has")
     samples = table.samples.only(np.array([table.names.index(name) for name in names]))
-    told = np.flatnonzero(all_finite(samples.position))
-    rows, time = usable_rows(table, told, TimeSource.HEADER)
-    kept = first_at_each_tick(time, RATE_HZ)
-    rows, time = rows[kept], time[kept]
+    rows = rows_in_time(samples, TimeSource.HEADER, all_finite(samples.position))
+    rows = rows[first_at_each_tick(samples.stamp[rows], RATE_HZ)]
     if len(rows) < FEWEST:
         raise ValueError("too few joint states tell the positions of all joints of the legs")
-    values = samples.log_time[rows], time, samples.position[rows], samples.effort[rows]
+    values = (
+        samples.log_time[rows],
+        samples.stamp[rows],
+        samples.position[rows],
+        samples.effort[rows],
+    )
     return LegJoints(tuple(names), table.topic, *values)
 
 
@@ -162,13 +161,17 @@ class FeetOnGround(NamedTuple):
     agreeing: Flags
     fast: Flags
 
+    def upwards(self, vectors: Floats) -> Floats:
+        """(n, f) the parts of vectors, (n, f, 3), against gravity."""
+        return np.asarray(np.einsum("nfi,ni->nf", vectors, self.inertial.up))
+
     def turn_by(self, standing: Flags) -> Floats:
         """(n - 1, 3) rad/s, by feet that stand, about z only; NaN where they do not tell."""
         return leg_odometry(self.joints.time, self.points, standing).turn_rate
 
     def low(self) -> Flags:
         """(n, f) which feet are so low that they may stand, however the base turns."""
-        lift, usual = _lift(self.joints.seconds, self.points, self.inertial.up)
+        lift, usual = _lift(self)
         return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
 
     def odometry(self, standing: Flags) -> LegOdometry:
@@ -219,7 +222,7 @@ def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     """Tell anew which feet rest, by (n, f) those that may."""
     seconds = feet.joints.seconds
     implied = -(feet.velocity + np.cross(feet.inertial.turn[:, None], feet.points))
-    lift, usual = _lift(seconds, feet.points, feet.inertial.up)
+    lift, usual = _lift(feet)
     close, top = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M), 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
@@ -231,14 +234,14 @@ def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     return feet._replace(resting=resting, agreeing=speed < AGREE * limit, fast=fast)
 
 
-def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
+def _lift(feet: FeetOnGround) -> tuple[Floats, Floats]:
     """Return how high feet are above where each is lowest in the seconds around, and usually lift.
 
     Returns:
         (n, f) m, less that of the lowest foot: when all rise together, it is the base that sinks;
         and (f,) m.
     """
-    height = np.einsum("nfi,ni->nf", feet, up)
+    seconds, height = feet.joints.seconds, feet.upwards(feet.points)
     lift = height.copy()
     for start in np.unique(seconds // GROUND_S * GROUND_S):
         before, begin, end, after = np.searchsorted(seconds, start + GROUND_S * np.arange(-1, 3))
@@ -311,30 +314,16 @@ def _force(feet: FeetOnGround, foot: int, leg: LegMotion) -> Floats:
 
 
 def loaded_feet(vertical: Floats, weight_n: float, ground: FeetOnGround) -> Flags:
-    """(n, f) which feet carry a load, and rest meanwhile, but for touchdown and lift-off.
+    """(n, f) which feet carry a load, and do not swing.
 
     Args:
         vertical: (n, f) N, of the ground on each foot.
         weight_n: N, of the robot.
         ground: what the motion of the feet tells.
     """
-    share, seconds = weight_n / vertical.shape[1], ground.joints.seconds
+    share = weight_n / vertical.shape[1]
     on, off = vertical >= LOADED * share, vertical < UNLOADED * share
-    loaded = latched(on & ~ground.fast, off | ground.fast)
-    for foot in range(vertical.shape[1]):
-        # A foot that bounces at touchdown, while it is there already.
-        swings = _lasting_s(seconds, flagged_runs(~ground.resting[:, foot]))
-        usual = float(median_of(swings)) if len(swings) else 0.0
-        aloft = flagged_runs(~loaded[:, foot])
-        short = _lasting_s(seconds, aloft) < min(BOUNCE * usual, LONGEST_BOUNCE_S)
-        for first, behind in aloft[short].tolist():
-            loaded[first:behind, foot] = True
-    return loaded
-
-
-def _lasting_s(seconds: Floats, runs: Ints) -> Floats:
-    """(k,) s from the first row of each run to its last."""
-    return np.asarray(seconds[runs[:, 1] - 1] - seconds[runs[:, 0]])
+    return latched(on & ~ground.fast, off | ground.fast)
 
 
 def effort_fault(vertical: Floats, weight_n: float | None) -> str:

@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.source import Source, first_fitting
+from dogbot_logtool.reader.messages.source import Source, Topic, first_fitting
 
 ODOMETRY_TYPE: Final = "nav_msgs/Odometry"
 FORMS: Final = (
@@ -40,28 +40,14 @@ class BasePoses:
     worlds: tuple[str, ...] = ()
     """Frames that the poses are in, as recorded; also `bases`, the frames that they place."""
     bases: tuple[str, ...] = ()
-    malformed: Mapping[int, int] = field(default_factory=dict)
-    """Messages that could not be decoded, by channel id."""
+    has_stamps: bool = False
+    """Each message has one pose and a stamp."""
 
 
-class Base(NamedTuple):
-    """The source of the base's poses."""
-
-    source: Source
-    channels: tuple[Channel, ...]
-    element: str = ""
-    """Which of the poses in a message: a model, a link, a pair of frames; empty: the only one."""
-
-    @property
-    def name(self) -> str:
-        """Its name as ``--odom-topic`` takes it."""
-        topic = self.channels[0].topic
-        return f"{topic}:{self.element}" if self.element else topic
-
-    def read(self, batch: Batch) -> list[BasePoses]:
-        """Read the poses of a batch; one entry a definition, nearly always one."""
-        decoded = decode_channels(batch, self.channels, self.source.columns)
-        return [_read(self.source, messages, self.element) for messages in decoded]
+def read_base(base: Topic, batch: Batch) -> list[BasePoses]:
+    """Read the base's poses of a batch; one entry a definition, nearly always one."""
+    decoded = decode_channels(batch, base.channels, base.source.columns)
+    return [_read(base.source, messages, base.element) for messages in decoded]
 
 
 def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:
@@ -166,7 +152,7 @@ def _poses(
         path[0].texts(messages.table)[1].encode()[1] if path else ()
         for path in (source.paths.get("frame"), source.paths.get("body"))
     )
-    return BasePoses(poses, messages.channel[message], worlds, bases, messages.malformed)
+    return BasePoses(poses, messages.channel[message], worlds, bases, source.has_one_stamp)
 
 
 def path_source(channel: Channel, path: str) -> Source:

@@ -1,11 +1,11 @@
 """Joints, transforms, and vectors that single messages hold, read by any row of the table."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Floats, concatenated, header_time, picked, rows_by_group
+from dogbot_logtool.core.arrays import Floats, header_time, picked, rows_by_group
 from dogbot_logtool.core.frames.transforms import Edge, Transforms
 from dogbot_logtool.core.recording import (
     MOST_JOINTS,
@@ -17,7 +17,7 @@ from dogbot_logtool.core.recording import (
 from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.messages.bases import chosen_names
 from dogbot_logtool.reader.messages.message_type import Part
-from dogbot_logtool.reader.messages.messages import DecodedMessages, malformed_in
+from dogbot_logtool.reader.messages.messages import DecodedMessages
 from dogbot_logtool.reader.messages.source import Source, decoded_by, source_of
 from dogbot_logtool.reader.messages.table import TABLE
 
@@ -39,16 +39,10 @@ def _decoded(
 # Joints
 
 
-def read_joints(batch: Batch, channel: Channel) -> list[tuple[JointTable, Mapping[int, int]]]:
-    """Read the joint states of a batch that a channel has, one entry a definition.
-
-    Returns:
-        each with the malformed messages by channel id.
-    """
-    return [
-        (JointTable(channel.topic, *_joints(source, each)), each.malformed)
-        for source, each in _decoded(batch, [channel], "joints")
-    ]
+def read_joints(batch: Batch, channel: Channel) -> Iterator[JointTable]:
+    """Yield the joint states of a batch that a channel has, one entry a definition."""
+    for source, messages in _decoded(batch, [channel], "joints"):
+        yield JointTable(channel.topic, *_joints(source, messages))
 
 
 def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...], JointSamples]:
@@ -91,33 +85,31 @@ def _joints(source: Source, messages: DecodedMessages) -> tuple[tuple[str, ...],
 
 def read_vectors(
     batch: Batch, channels: Sequence[Channel], part: Part
-) -> tuple[VectorSamples, set[str], Mapping[int, int]]:
-    """Read the commands or accelerations of a batch.
+) -> Iterator[tuple[VectorSamples, set[str]]]:
+    """Yield the commands or accelerations of a batch, one entry a definition.
 
     Args:
         batch: the batch.
         channels: the senders of one topic, all of one type.
         part: which of them.
 
-    Returns:
-        the vectors, the frames that their headers name, and malformed messages by channel id.
+    Yields:
+        the vectors, and the frames that their headers name.
     """
-    decoded = list(_decoded(batch, channels, part))
-    frames: set[str] = set()
-    nothing = np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3))
-    parts = [VectorSamples(*nothing)]
-    for source, messages in decoded:
+    for source, messages in _decoded(batch, channels, part):
         values, turns = (
             [path.first_values(messages.table) for path in source.paths.get(field, ())]
             for field in ("command" if part == "commands" else "acceleration", "turn_rate")
         )
         vectors = np.concatenate(values, axis=1)
         turn_rate = turns[0] if turns else np.full(vectors.shape, np.nan)
+        frames = {
+            name
+            for path in source.paths.get("frame", ())
+            for name in path.texts(messages.table)[1].encode()[1]
+        }
         stamp = source.stamps(messages)
-        parts.append(VectorSamples(messages.log_time, stamp, vectors, turn_rate))
-        for path in source.paths.get("frame", ()):
-            frames.update(path.texts(messages.table)[1].encode()[1])
-    return concatenated(parts), frames, malformed_in(each for _, each in decoded)
+        yield VectorSamples(messages.log_time, stamp, vectors, turn_rate), frames
 
 
 # Transforms
@@ -130,7 +122,7 @@ def is_static(channel: Channel) -> bool:
 
 def read_transforms(
     batch: Batch, channels: Sequence[Channel], *, static: bool
-) -> Iterator[tuple[dict[Edge, Transforms], set[str], Mapping[int, int]]]:
+) -> Iterator[tuple[dict[Edge, Transforms], set[str]]]:
     """Yield the transforms of a batch, one entry a definition.
 
     Args:
@@ -139,11 +131,10 @@ def read_transforms(
         static: whether their transforms hold for ever.
 
     Yields:
-        transforms by parent and child, frame ids that begin with a slash, and the malformed
-        messages by channel id.
+        transforms by parent and child, and frame ids that begin with a slash.
     """
     for source, messages in _decoded(batch, channels, "base"):
-        yield *_transforms(source, messages, static=static), messages.malformed
+        yield _transforms(source, messages, static=static)
 
 
 def _transforms(

@@ -110,7 +110,7 @@ def read(path: Path) -> JointTable:
         assert source
         assert not source.fault
         (span,) = log.spans()
-        ((states, _),) = read_joints(log.read(span), channel)
+        (states,) = read_joints(log.read(span), channel)
     finally:
         log.close()
     return states

@@ -199,10 +199,7 @@ def test_events_are_listed_and_marked_in_every_figure_over_time() -> None:
     assert html.index(b"sensor fault</td>") < html.index(b"gap</td>")
     over_time = {name: each for name, each in drawings(html).items() if each["over_time"]}
     assert set(over_time) == {"gait", "loads", "motion", "commands"}
-    in_rows = {
-        "gait": [("y", 2.0), ("y", 1.0)],
-        "loads": [("y3 domain", 0.5), ("y2 domain", 0.5)],
-    }
+    in_rows = {"gait": [("y", 2.0), ("y", 1.0)], "loads": [("y3 domain", 0.5), ("y2 domain", 0.5)]}
     for name, each in over_time.items():
         shapes = each["layout"]["shapes"]
         assert [shape["x0"] for shape in shapes] == onsets

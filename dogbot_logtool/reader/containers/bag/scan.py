@@ -157,7 +157,7 @@ class BagLog(RecordLog):
             return self._passed_zeros(offset)
         return record.end
 
-    def _chunk_record(self, offset: int, record: Record) -> int:
+    def _chunk_record(self, offset: int, record: Record) -> int | None:
         chunk = _chunk(offset, record)
         if chunk.is_compressed:
             return self._take_chunk(chunk, chunk.end)
