@@ -1,5 +1,6 @@
 """Which logs the words of a call name."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -219,13 +220,10 @@ def test_secrets_of_a_url_are_not_shown() -> None:
 def unreadable(folder: Path) -> Iterator[Path]:
     """Make a directory that cannot be listed, not even by root: its path is too long."""
     name = "d" * 250
-    deepest = os.open(folder, os.O_RDONLY)
-    for _ in range(17):
-        os.mkdir(name, dir_fd=deepest)
-        inner = os.open(name, os.O_RDONLY, dir_fd=deepest)
-        os.close(deepest)
-        deepest = inner
-    os.close(deepest)
+    with contextlib.chdir(folder):
+        for _ in range(17):
+            Path(name).mkdir()
+            os.chdir(name)
     yield folder
     shutil.rmtree(folder / name)
 
