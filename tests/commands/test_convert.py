@@ -53,7 +53,11 @@ class Done:
 
     @cached_property
     def written(self) -> Written:
-        return read_written(self.path)
+        """What is in the file, which has all that the result counts."""
+        written = read_written(self.path)
+        annotated = sum(self.conversion.annotations.values())
+        assert len(written.messages) == self.conversion.copied + annotated
+        return written
 
 
 _DONE: dict[tuple[Path, str], Done] = {}
