@@ -206,8 +206,6 @@ def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool)
     Returns:
         (n, 2) ns, neighbouring strides joined.
     """
-    if len(strides) == 0:
-        return timespans.no_spans()
     known = _known_to_all(feet, vertical=vertical)
     unknown = timespans.subtract(timespans.merge(strides), known)
     broken = timespans.touches(unknown, strides[:, 0] + 1, strides[:, 1] - 1)
