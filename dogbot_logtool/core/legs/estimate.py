@@ -10,12 +10,14 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
+    Ints,
     all_finite,
     flagged_runs,
     mean_of_known,
     median_of,
 )
 from dogbot_logtool.core.base.leg_odometry import (
+    BY_FEET,
     LONG_NS,
     Inertial,
     LegOdometry,
@@ -59,7 +61,11 @@ AGREES: Final = 0.15
 more in all gaits of a physics engine."""
 FEWEST_IN_STRIDE: Final = 16
 """Joint states in a stride, at least: with fewer, speeds may be off by a third."""
-_BY_FEET: Final = "the feet alone"
+STILL_NS: Final = 1_000_000_000
+"""ns in which a robot whose joints move by less than `STILL_RAD` stands, and does not turn."""
+STILL_RAD: Final = 0.01
+LARGEST_BIAS_RADPS: Final = 0.05
+"""What a gyroscope reads at rest, at most; more is a turn."""
 _TURNS_NS: Final = 100_000_000
 """ns before and after a time, over which turns by the feet are averaged."""
 
@@ -74,9 +80,8 @@ class Estimate(NamedTuple):
     contact_from: Literal["joint_torques", "kinematics"]
     why_no_force: str
     """Empty where forces are known."""
-    turns_from: str
-    tells_up: bool
-    """Whether roll and pitch are told; else the base is taken as level."""
+    inertial: Inertial
+    """How the base leans and turns."""
 
 
 def estimate(
@@ -101,9 +106,8 @@ def estimate(
     motions = [leg_motion(leg, joints.position[:, joints.columns(leg.measured)]) for leg in legs]
     if stuck := stuck_joint(joints, legs):
         raise ValueError(stuck)
-    inertial, turns_from = _inertial(recording, joints, mounting)
-    feet = resting_feet(joints, motions, inertial)
-    if turns_from == _BY_FEET:
+    feet = resting_feet(joints, motions, _inertial(recording, joints, mounting))
+    if feet.inertial.turns_from == BY_FEET:
         feet = _turned_by_feet(feet)
     force, why = _forces(feet, mass_kg)
     standing = feet.resting
@@ -111,7 +115,7 @@ def estimate(
         standing = loaded_feet(feet.upwards(force), (mass_kg or 0.0) * GRAVITY_MPS2, feet)
     standing = np.stack([*map(partial(_debounced, joints), standing.T, feet.resting.T)], axis=1)
     moved = feet.odometry(standing)
-    if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
+    if why_not := _unsure(feet, standing, moved):
         raise ValueError(why_not)
     base = _poses(feet, standing, moved)
     placed = base
@@ -127,8 +131,7 @@ def estimate(
         base=base,
         contact_from="kinematics" if why else "joint_torques",
         why_no_force=why,
-        turns_from=turns_from,
-        tells_up=feet.inertial.tells_up,
+        inertial=feet.inertial,
     )
 
 
@@ -145,44 +148,40 @@ def _turned_by_feet(feet: FeetOnGround) -> FeetOnGround:
     return feet
 
 
-def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
+def _unsure(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> str:
     """Say why feet do not tell surely when they stand and how the base moves; empty: they do.
 
     Args:
+        feet: with what tells how the base turns.
         standing: (n, f) which feet stand.
         moved: how the base moves by them.
-        turns_from: what tells how it turns.
     """
     steps = np.concatenate([np.diff(flagged_runs(each)[:, 0]) for each in standing.T])
     if len(steps) and (states := float(median_of(steps))) < FEWEST_IN_STRIDE:
         return f"joint states come {states:.3g} times in a stride, too rarely"
+    turns = f"turns by {feet.inertial.turns_from}"
     if (agree := float((moved.feet > 0).mean())) < AGREES:
         return (
             f"standing feet agree on how the base moves in {agree:.0%} of the time only: positions "
-            "of joints are not exact enough, or not those of the robot description, or turns by "
-            f"{turns_from} are not the base's in rad/s"
+            f"of joints are not exact enough, or not those of the robot description, or {turns} "
+            "are not the base's in rad/s"
         )
-    return ""
-
-
-def _contradiction(feet: FeetOnGround, turns_from: str) -> str:
-    """Say how turns that something tells and those of the feet differ; empty: they do not."""
-    by_feet = feet.turn_by(feet.low())[:, 2]
-    known = np.isfinite(by_feet)
-    told, stepped = (
+    stepped = feet.turn_by(feet.low())[:, 2]
+    known = np.isfinite(stepped)
+    told, by_feet = (
         float(each[known].sum() / max(known.sum(), 1))
-        for each in (feet.inertial.yaw_rate[1:], by_feet)
+        for each in (feet.inertial.yaw_rate[1:], stepped)
     )
-    if abs(told - stepped) <= max(CONTRADICTS * max(abs(told), abs(stepped)), LEAST_TURN_RADPS):
+    if abs(told - by_feet) <= max(CONTRADICTS * max(abs(told), abs(by_feet)), LEAST_TURN_RADPS):
         return ""
     return (
-        f"turns by {turns_from}, {told:.2f} rad/s in the mean, and by the standing feet, "
-        f"{stepped:.2f} rad/s, contradict each other"
+        f"{turns}, {told:.2f} rad/s in the mean, and by the standing feet, {by_feet:.2f} rad/s, "
+        "contradict each other"
     )
 
 
-def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
-    """Return how the base leans and turns, and by what: its inertial unit, or its feet.
+def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> Inertial:
+    """Return how the base leans and turns by its inertial unit, if it has one.
 
     Args:
         recording: the columns of a log.
@@ -197,8 +196,26 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
         rows = rows[advancing(times[rows])]
         if len(rows) >= FEWEST:
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
-            return inertial_at(joints.time, times[rows], felt, turn), "a gyroscope"
-    return level(len(joints.time)), _BY_FEET
+            turn -= _bias(joints, times[rows], turn)
+            return inertial_at(joints.time, times[rows], felt, turn)
+    return level(len(joints.time))
+
+
+def _bias(joints: LegJoints, time: Ints, turn: Floats) -> Floats:
+    """(3,) rad/s that a gyroscope reads while the robot stands, as far as it does.
+
+    Args:
+        joints: of the legs.
+        time: (m,) ns, of the readings.
+        turn: (m, 3) rad/s.
+    """
+    part = joints.time // STILL_NS
+    starts = np.flatnonzero(np.diff(part, prepend=part[0] - 1))
+    highest = np.maximum.reduceat(joints.position, starts)
+    moved = (highest - np.minimum.reduceat(joints.position, starts)).max(axis=1)
+    still = np.isin(time // STILL_NS, part[starts][moved < STILL_RAD])
+    bias = turn[still].mean(axis=0) if still.any() else np.zeros(3)
+    return np.where(np.abs(bias) < LARGEST_BIAS_RADPS, bias, 0.0)
 
 
 def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
@@ -231,7 +248,7 @@ def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     joints, inertial = feet.joints, feet.inertial
     if inertial.tells_up:
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
-        moved = feet.odometry(middles(standing))
+        moved = feet.odometry(middles(joints.seconds, standing))
     found = dead_reckoned(moved, inertial)
     position = found.position.copy()
     height = np.where(standing, -feet.upwards(feet.points), np.nan)
