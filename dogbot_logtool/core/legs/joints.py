@@ -29,7 +29,7 @@ from dogbot_logtool.core.clock import (
     rows_in_time,
 )
 from dogbot_logtool.core.frames import kinematics
-from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track
+from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
@@ -276,8 +276,7 @@ def link_tracks(
             position = track.position[rows].astype(np.float64)
             times = track.time[rows], track.log_time[rows]
         shift, turn = kinematics.link_poses([joint], position[:, None])
-        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
-        links |= {joint.child: found} if found else {}
+        links[joint.child] = FrameTrack(joint.parent, not moves, *times, shift[:, 0], turn[:, 0])
     return links
 
 
