@@ -21,7 +21,7 @@ from tests.paths import TROT, TROUBLED
 from tests.reader import bag_bytes, mcap_bytes, sqlite_files
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, schema, small_mcap
 from tests.shell import Shell, python
-from tests.torture.commands import COMMANDS
+from tests.torture.test_commands import COMMANDS
 
 # --- Logs that describe thousands of topics, or whose spans and counts are odd --------------------
 

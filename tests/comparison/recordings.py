@@ -162,17 +162,12 @@ def lines(result: Comparison) -> list[str]:
     return [difference.line for difference in result.differences]
 
 
-def counts(result: Comparison, name: str = "/a") -> tuple[int, int, int, int, int, int, int]:
-    """Messages expected, actual, equal, within tolerance, different, missing and extra."""
+COUNTS = ("expected", "actual", "equal", "within_tolerance", "different", "missing", "extra")
+
+
+def counts(result: Comparison, name: str = "/a") -> tuple[int, ...]:
+    """Return the `COUNTS` of messages."""
     one = next(tally for tally in result.tallies if tally.name == name)
     paired = one.equal + one.within_tolerance + one.different
     assert (one.expected, one.actual) == (paired + one.missing, paired + one.extra)
-    return (
-        one.expected,
-        one.actual,
-        one.equal,
-        one.within_tolerance,
-        one.different,
-        one.missing,
-        one.extra,
-    )
+    return tuple(getattr(one, each) for each in COUNTS)

