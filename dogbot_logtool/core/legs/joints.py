@@ -155,7 +155,7 @@ def joint_tracks(
             if key not in used:
                 used[key] = rows_in_time(samples, clock, recorded)
             if len(used[key]) and name not in found:
-                own = picked(samples.only(slice(column, column + 1)), used[key])
+                own = picked(table.of([name]), used[key])
                 found[name] = _track(name, own, clock, settings)
     return dict(sorted(found.items()))
 
