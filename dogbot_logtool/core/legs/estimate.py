@@ -10,6 +10,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
+    Ints,
     all_finite,
     flagged_runs,
     mean_of_known,
@@ -59,6 +60,11 @@ AGREES: Final = 0.15
 more in all gaits of a physics engine."""
 FEWEST_IN_STRIDE: Final = 16
 """Joint states in a stride, at least: with fewer, speeds may be off by a third."""
+STILL_NS: Final = 1_000_000_000
+"""ns in which a robot whose joints move by less than `STILL_RAD` stands, and does not turn."""
+STILL_RAD: Final = 0.01
+LARGEST_BIAS_RADPS: Final = 0.05
+"""What a gyroscope reads at rest, at most; more is a turn."""
 _TURNS_NS: Final = 100_000_000
 """ns before and after a time, over which turns by the feet are averaged."""
 
@@ -191,8 +197,25 @@ def _inertial(recording: Recording, joints: JointTable, mounting: Floats) -> Ine
         rows = rows[advancing(times[rows])]
         if len(rows) >= FEWEST:
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
+            turn -= _bias(joints, times[rows], turn)
             return inertial_at(joints.samples.stamp, times[rows], felt, turn)
     return level(len(joints.samples.stamp))
+
+
+def _bias(joints: JointTable, time: Ints, turn: Floats) -> Floats:
+    """(3,) rad/s that a gyroscope reads while the robot stands, as far as it does.
+
+    Args:
+        joints: of the legs.
+        time: (m,) ns, of the readings.
+        turn: (m, 3) rad/s.
+    """
+    part, position = joints.samples.stamp // STILL_NS, joints.samples.position
+    starts = np.flatnonzero(np.diff(part, prepend=part[0] - 1))
+    moved = np.maximum.reduceat(position, starts) - np.minimum.reduceat(position, starts)
+    still = np.isin(time // STILL_NS, part[starts][moved.max(axis=1) < STILL_RAD])
+    bias = turn[still].mean(axis=0) if still.any() else np.zeros(3)
+    return np.where(np.abs(bias) < LARGEST_BIAS_RADPS, bias, 0.0)
 
 
 def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
@@ -225,7 +248,7 @@ def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     joints, inertial = feet.joints, feet.inertial
     if inertial.tells_up:
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
-        moved = feet.odometry(middles(standing))
+        moved = feet.odometry(middles(joints.seconds, standing))
     found = dead_reckoned(moved, inertial)
     position = found.position.copy()
     height = np.where(standing, -feet.upwards(feet.points), np.nan)
