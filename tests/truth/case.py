@@ -2,19 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 from tests.truth.recording import Disturbance, Recording, disturbed
 from tests.truth.walking import Walk
-
-_RESTS_ON: Final = {
-    "stance": {"duty factor", "stride period"},
-    "propulsion": {"braking"},
-    "size": {"peak force"},
-    "energy margin": {"margin"},
-    "pressure": {"margin"},
-}
-"""Figures that are not judged where others are not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +105,7 @@ class Case:
     @property
     def skipped(self) -> frozenset[str]:
         """Figures that are not judged."""
-        given = frozenset(self.skip.split(", "))
-        return given | {name for name, others in _RESTS_ON.items() if others & given}
+        return frozenset(self.skip.split(", "))
 
     def record(self) -> Recording:
         """Return the messages; the odometry comes a hundred times a second at most."""

@@ -62,7 +62,7 @@ def noises() -> Iterator[Case]:
     """Noise, spikes, limits."""
     for mass, seed in ((20.0, 0), (20.0, 1), (80.0, 2)):
         yield Case(f"noise 5 N, {mass:g} kg, seed {seed}", Walk(robot=quadruped(mass)),
-                   (FORCE, sensor.noise(5.0, seed)), skip="verdict, braking, size",
+                   (FORCE, sensor.noise(5.0, seed)), skip="size",
                    tolerance=Tolerance(event_s=0.04, duty=0.05, contact=0.05, force=0.1))
     yield Case("noise 5 N, 0.5 kg", LIGHT, (FORCE, sensor.noise(5.0)),
                "noise|threshold|modes|unloaded")
@@ -77,12 +77,11 @@ def noises() -> Iterator[Case]:
     for name, walk in (("sensors saturate", Walk(traction=0.0)),
                        ("one axis of the sensors saturates", TROT)):
         yield Case(f"{name} at 80 N", walk, (FORCE, sensor.saturated(80.0)),
-                   "saturat|highest value", skip="peak force, impulse, braking")
+                   "saturat|highest value", skip="size")
     for apart in (3, 4):
         yield Case(f"pairs of spikes, {apart} samples apart", Walk(seconds=20.0),
                    (*SENSED, sensor.spikes(300.0, 0.5, apart)), "spike",
-                   "CONTACT_UNKNOWN|spike", COARSE,
-                   "peak force, load share, impulse, lift-offs, stride length")
+                   "CONTACT_UNKNOWN|spike", COARSE, "size")
     slow = Walk(robot=quadruped(40.0), period_s=1.12, seconds=20.0, hump=0.0)
     sticking = FORCE, sensor.hysteresis(0.08), sensor.noise(0.5), sensor.clipped()
     yield Case("8 % hysteresis, clipped at zero, 50 Hz, in bursts", slow,
@@ -159,7 +158,7 @@ def slopes() -> Iterator[Case]:
     yield Case("link forces, /tf of legs that never move", lean,
                (FORCE, link, sensor.stiff_legs(), NO_MASS), "DIRECTION_UNKNOWN")
     yield Case("one link's bumper always reads 60 N, /tf", TROT,
-               (link, on(sensor.stuck(60.0), "back_right")), "STUCK", skip="margin")
+               (link, on(sensor.stuck(60.0), "back_right")), "STUCK")
     yield Case("spikes of 800 N in link forces, /tf", LONG, (link, sensor.spikes(800.0, 4.0)),
                "spike", None, COARSE)
 
@@ -174,13 +173,13 @@ def masses_and_units() -> Iterator[Case]:
             seen = kind == "bumpers" or abs(percent) > 25
             yield Case(f"mass {percent:+d} % wrong, {kind}", TROT,
                        (*more, sensor.user_gives(mass=20.0 * (1.0 + percent / 100.0))),
-                       weight if seen else "", "mass|weight", skip="impulse")
+                       weight if seen else "", "mass|weight")
         for unit, factor in (("pounds", 0.2248), ("counts", 37.0)):
             yield Case(f"{kind} read {unit}", TROT, (*more, sensor.scaled(factor)), weight)
         for factor in (0.5, 2.0):
             yield Case(f"one foot reads {factor:g} times its force, {kind}", TROT,
                        (*more, on(sensor.scaled(factor), "front_left")), weight,
-                       skip="size" if more else "peak force")
+                       skip="size, peak force")
     yield Case("bumpers add up four physics steps", TROT, (sensor.scaled(4.0),), "physics steps",
                weight)
 
@@ -208,14 +207,13 @@ def swinging_legs() -> Iterator[Case]:
     ):
         yield Case(name, Walk(gait=gait, robot=robot, period_s=0.6, speed_mps=0.2),
                    (FORCE, sensor.wobble(wobble), sensor.noise(0.05), sensor.offset(newtons)),
-                   cause=f"{LEVEL}|CONTACT_UNKNOWN", tolerance=COARSE, skip="verdict")
+                   cause=f"{LEVEL}|CONTACT_UNKNOWN", tolerance=COARSE)
     yield Case("hexapod of 2 kg, wobble 8 %, 6 % hysteresis",
                Walk(gait=gaits.TRIPOD, robot=hexapod(), period_s=0.8, speed_mps=0.1),
                (FORCE, sensor.hysteresis(0.06), sensor.wobble(1.6)), "CONTACT_UNKNOWN", None,
-               COARSE, "verdict")
+               COARSE)
     yield Case("walk, 20 kg, wobble 40 %", Walk(gait=gaits.WALK, period_s=1.1),
-               (FORCE, sensor.wobble(78.5), sensor.noise(0.4)), "CONTACT_UNKNOWN", None, COARSE,
-               "verdict")
+               (FORCE, sensor.wobble(78.5), sensor.noise(0.4)), "CONTACT_UNKNOWN", None, COARSE)
     yield Case("hexapod of 3.3 kg, wobble 12 %, one sensor stuck",
                Walk(gait=gaits.WAVE, robot=hexapod(3.3), period_s=0.7, speed_mps=0.05),
                (FORCE, sensor.wobble(3.9), sensor.noise(0.1),
@@ -224,7 +222,7 @@ def swinging_legs() -> Iterator[Case]:
     yield Case("2 kg, wobble 8 %, counted in steps of 0.5 N",
                Walk(gait=gaits.WALK, robot=quadruped(2.2), period_s=0.9, speed_mps=0.2),
                (FORCE, sensor.wobble(1.7), sensor.noise(0.06), sensor.quantised(0.5)),
-               cause=f"{LEVEL}|CONTACT_UNKNOWN", tolerance=COARSE, skip="verdict", rate_hz=100.0)
+               cause=f"{LEVEL}|CONTACT_UNKNOWN", tolerance=COARSE, rate_hz=100.0)
 
 
 def contradictory() -> Iterator[Case]:
@@ -235,24 +233,23 @@ def contradictory() -> Iterator[Case]:
     tall = Walk(gait=gaits.BIPED_WALK, robot=biped(80.0))
     yield Case("saturated at 500 N, biped of 80 kg, 4 strides", replace(tall, seconds=3.2),
                (FORCE, sensor.noise(2.0), sensor.saturated(500.0)),
-               cause="SATURATED|IMPULSE|look alike", tolerance=COARSE,
-               skip="verdict, peak force, load share")
+               cause="SATURATED|IMPULSE|look alike", tolerance=COARSE)
     flat = Walk(gait=gaits.WALK, period_s=1.1, hump=0.0, ramp=0.05, traction=0.0)
     yield Case("flat forces, wobble 15 %, offset -10 N", flat,
                (FORCE, sensor.wobble(29.4), sensor.noise(0.4), sensor.offset(-9.8)),
                "CONTACT_UNKNOWN.*of the weight")
     yield Case("offset -60 N, biped of 80 kg, mass -20 % wrong", tall,
                (FORCE, sensor.noise(2.0), sensor.offset(-60.0), sensor.user_gives(mass=64.0)),
-               "mass", None, COARSE, "impulse")
+               "mass", None, COARSE)
     quick = Walk(gait=gaits.WAVE, robot=hexapod(), period_s=0.6, speed_mps=0.1)
     for name, faults, rate_hz in (("bumpers", (), 100.0),
                                   ("force sensors, 50 Hz", (FORCE, sensor.noise(0.05)), 50.0)):
         yield Case(f"quick steps logged in bursts of 0.1 s, {name}", quick,
                    (*faults, time.in_bursts(0.1)), cause="without load is not known|look alike",
-                   tolerance=COARSE, skip="verdict", rate_hz=rate_hz)
+                   tolerance=COARSE, rate_hz=rate_hz)
     for newtons, says in ((0.0, "contact, not force"), (60.0, "STUCK")):
         yield Case(f"one bumper always reads {newtons:g} N", TROT,
-                   (on(sensor.stuck(newtons), "back_right"),), says, skip="margin, verdict")
+                   (on(sensor.stuck(newtons), "back_right"),), says)
 
 
 def stopped() -> Iterator[Case]:
@@ -279,6 +276,5 @@ def stopped() -> Iterator[Case]:
         ("topic begins in mid-log", LONG, (on(time.silent_between(-1.0, 8.0), foot),)),
     ):
         silent = (-1.0, 8.2) if "begins" in name else (7.2, 99.0)
-        yield Case(name, walk, faults, "STOPPED", "STOPPED|OFFSET", silence_s=silent,
-                   skip="margin, support")
+        yield Case(name, walk, faults, "STOPPED", "STOPPED|OFFSET", silence_s=silent)
 # fmt: on
