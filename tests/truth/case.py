@@ -102,11 +102,6 @@ class Case:
         """Events that must be found, and no others; None: any may be."""
         return () if self.events is None and not self.faults else self.events
 
-    @property
-    def skipped(self) -> frozenset[str]:
-        """Figures that are not judged."""
-        return frozenset(self.skip.split(", "))
-
     def record(self) -> Recording:
         """Return the messages; the odometry comes a hundred times a second at most."""
         if isinstance(self.walk, Walk):

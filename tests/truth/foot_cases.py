@@ -9,7 +9,7 @@ from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth.case import Case, Tolerance
+from tests.truth.case import Case
 from tests.truth.recording import on
 from tests.truth.scenes import OneAfterAnother, standing
 from tests.truth.walking import Walk
@@ -78,7 +78,7 @@ def filters() -> Iterator[Case]:
         ("5 Hz, offset -30 N", TROT, 5.0, sensor.offset((0.0, 0.0, -30.0))),
     ):
         yield Case(f"filtered at {name}", walk, (FORCE, foot.filtered(hertz), more),
-                   "FORCE_FILTERED", "offset", ROUGH)
+                   "FORCE_FILTERED", "offset")
     for name, walk in (("trot", TROT), ("two feet", BIPED), ("slow walk", slow), ("walk", WALK)):
         for hertz, newtons in product((0.5, 1.0, 2.5, 12.0), (0.1, 2.0)):
             yield Case(f"filtered at {hertz:g} Hz, {name}, noise {newtons:g} N", walk,
@@ -92,7 +92,6 @@ def flags() -> Iterator[Case]:
 
     Contact without a force.
     """
-    coarse = Tolerance(event_s=0.1, duty=0.1, contact=0.1, phase=0.1, period=0.1)
     hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
     flags, turned = foot.as_flags, foot.inverted()
     slow = Walk(gait=gaits.PRONK, speed_mps=0.3, period_s=0.8)
@@ -102,8 +101,7 @@ def flags() -> Iterator[Case]:
                        ("slow bound", bound)):
         yield Case(f"flags, {name}", walk, (flags,))
     for rate, walk in ((10.0, TROT), (5.0, WALK)):
-        yield Case(f"flags, {rate:g} Hz", walk, (flags, foot.sampled(rate)), "SAMPLED_SLOWLY",
-                   tolerance=coarse)
+        yield Case(f"flags, {rate:g} Hz", walk, (flags, foot.sampled(rate)), "SAMPLED_SLOWLY")
     yield Case("flags, one foot's never set from mid-log on", LONG,
                (flags, on(sensor.dead_from(8.0), "front_left")), "STOPPED", silence_s=(7.2, 99.0))
     for name, walk, faults in (

@@ -64,8 +64,9 @@ def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     judged += _odd_events(case, truth, found)
     judged += _steps(case, recording, found) if truth.stride_s else _no_steps(recording, found)
     judged += _numbers(case, recording, found)
-    judged = [each for each in judged if each.figure not in case.skipped]
-    return judged + [each for each in _unknown(judged, found) if each.figure not in case.skipped]
+    skipped = case.skip.split(", ")
+    judged = [each for each in judged if each.figure not in skipped]
+    return judged + [each for each in _unknown(judged, found) if each.figure not in skipped]
 
 
 def faults(judged: Sequence[Judged]) -> list[Judged]:

@@ -9,13 +9,13 @@ from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
-from tests.truth.case import Case, Tolerance
+from tests.truth.case import Case
 from tests.truth.foot_faults import without
 from tests.truth.recording import Disturbance, Recording
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.sensed import with_imu
 from tests.truth.walking import Walk
-from tests.truth.walks import BIPED, FORCE, LONG, NO_MASS, QUIET, SLOW, TROT, WALK
+from tests.truth.walks import BIPED, FORCE, LONG, NO_MASS, QUIET, ROUGH, SLOW, TROT, WALK
 
 CIRCLE: Final = Walk(gait=gaits.WALK, period_s=1.0, seconds=10.0, turn_radps=0.4)
 TIGHT: Final = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.9, speed_mps=0.1,
@@ -167,8 +167,7 @@ def sound() -> Iterator[Case]:
     faults = (pose.feet_in_tf, sensor.in_link_frame)
     yield Case("sound: loads that sag in mid-stance", sagging, faults, "")
     case = _case(f"sound: few strides that heave, {TF}", heaving, TF, _nothing, "")
-    yield replace(case, skip="peak force, size, braking",
-                  tolerance=Tolerance(event_s=0.05, duty=0.06, contact=0.06))
+    yield replace(case, skip="peak force, size, braking", tolerance=ROUGH)
 # fmt: on
 
 
