@@ -14,10 +14,10 @@ from tests.truth import scenes
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
 from tests.truth.case import Case, Event
-from tests.truth.recording import Disturbance, on
+from tests.truth.recording import FORCE, Disturbance, on
 from tests.truth.scenes import Knots, OneAfterAnother, Scene
 from tests.truth.walking import Walk
-from tests.truth.walks import FORCE, QUIET, SENSED, WALK
+from tests.truth.walks import QUIET, SENSED, WALK
 
 FOOT: Final = "front_right"
 TROT: Final = Walk(seconds=12.0)

@@ -8,12 +8,11 @@ from tests.truth import foot_faults as foot
 from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import sensor_faults as sensor
-from tests.truth import time_faults as time
 from tests.truth.case import Case
-from tests.truth.recording import on
+from tests.truth.recording import FLAGS, FORCE, IN_CONTACT, on
 from tests.truth.scenes import OneAfterAnother, standing
 from tests.truth.walking import Walk
-from tests.truth.walks import BIPED, FORCE, LONG, NO_MASS, QUIET, ROUGH, TROT, WALK, WAVE
+from tests.truth.walks import BIPED, LONG, NO_MASS, QUIET, ROUGH, TROT, WALK, WAVE
 
 
 # fmt: off
@@ -26,7 +25,7 @@ def some() -> Iterator[Case]:
     one = foot.without("front_left", "front_right", "back_right")
     of_all = "no other foot|NO_MESSAGES"
     for name, sensors in (("bumpers", ()), ("force sensors", QUIET),
-                          ("silent in swing", (time.silent_in_swing,))):
+                          ("silent in swing", (IN_CONTACT,))):
         for of, gait in (("trot", TROT), ("walk", walk)):
             yield Case(f"one foot, {of}, {name}", gait, (*sensors, one), of_all)
     yield Case("fore feet, force sensors", walk, (*QUIET, foot.without("back_left", "back_right")),
@@ -52,7 +51,7 @@ def several() -> Iterator[Case]:
     for name, walk, faults in (
         ("toe and heel, bumpers", BIPED, (toe_heel,)),
         ("toe and heel, force sensors", BIPED, (*QUIET, toe_heel)),
-        ("toe and heel, silent in swing", BIPED, (time.silent_in_swing, toe_heel)),
+        ("toe and heel, silent in swing", BIPED, (IN_CONTACT, toe_heel)),
         ("four cells, bumpers", BIPED, (cells,)),
         ("four cells, force sensors", BIPED, (*QUIET, cells)),
         ("toe and heel of four feet, bumpers", WALK, (quad,)),
@@ -93,7 +92,7 @@ def flags() -> Iterator[Case]:
     Contact without a force.
     """
     hop = Walk(gait=gaits.PRONK, speed_mps=2.0, period_s=0.5)
-    flags, turned = foot.as_flags, foot.inverted()
+    flags, turned = FLAGS, foot.inverted()
     slow = Walk(gait=gaits.PRONK, speed_mps=0.3, period_s=0.8)
     gallop = Walk(gait=gaits.ROTARY_GALLOP, speed_mps=2.0, period_s=0.5)
     bound = Walk(gait=gaits.BOUND, speed_mps=0.3, period_s=0.6, heaves=True)

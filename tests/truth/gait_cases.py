@@ -7,10 +7,10 @@ from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
 from tests.truth.case import Case
 from tests.truth.gaits import Gait
-from tests.truth.recording import Disturbance
+from tests.truth.recording import FORCE, Disturbance, changed
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
-from tests.truth.walks import FORCE, ROUGH, SENSED, TROT
+from tests.truth.walks import ROUGH, SENSED, TROT
 
 KINDS: tuple[tuple[str, tuple[Disturbance, ...]], ...] = (
     ("bumpers", ()),
@@ -27,7 +27,7 @@ def robots_and_rates() -> Iterator[Case]:
             yield Case(f"trot, {kind}, {mass:g} kg", Walk(robot=quadruped(mass)), sensors)
     yield Case("trot, the left feet carry more", Walk(shares=(0.3, 0.2, 0.3, 0.2)))
     yield Case("trot, feet slip by 30 mm", Walk(slip_m=0.03), cause="slip")
-    yield Case("trot, bumpers touch the robot itself", TROT, (sensor.touching_itself,))
+    yield Case("trot, bumpers touch the robot itself", TROT, (changed(touches_itself=True),))
     yield Case("trot, contacts without forces", TROT, (sensor.without_forces(),),
                "NO_FORCE|no force|zero", skip="verdict")
     yield Case("trot, 1 % of the forces no numbers", TROT, (sensor.not_finite(0.01),), "FINITE")

@@ -11,11 +11,11 @@ from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
 from tests.truth.case import Case
 from tests.truth.foot_faults import without
-from tests.truth.recording import Disturbance, Recording
+from tests.truth.recording import FORCE, Disturbance, changed, together, true
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.sensed import with_imu
 from tests.truth.walking import Walk
-from tests.truth.walks import BIPED, FORCE, LONG, NO_MASS, QUIET, ROUGH, SLOW, TROT, WALK
+from tests.truth.walks import BIPED, LONG, NO_MASS, QUIET, ROUGH, SLOW, TROT, WALK
 
 CIRCLE: Final = Walk(gait=gaits.WALK, period_s=1.0, seconds=10.0, turn_radps=0.4)
 TIGHT: Final = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.9, speed_mps=0.1,
@@ -97,10 +97,18 @@ def faults() -> Iterator[Case]:
          "POSE_DIRECTION", (POINTS,)),
         ("poses of the imu's link", ON_THE_SPOT, link, "", EVERY),
         ("poses of the imu's link, circle", CIRCLE, link, "", EVERY),
-        ("millimetres, as the user says", TROT, _in_millimetres, "", (POINTS,)),
-        ("centre of mass beside the base", TROT, _aside_of_mass, "", (POINTS,)),
-        ("poses of the shell, base named", ON_THE_SPOT, _of_shell, "", (POINTS,)),
-        ("poses of a link that is nowhere", TROT, _of_lost_link,
+        ("millimetres, as the user says", TROT,
+         together(pose.scaled(1e3), sensor.user_gives(set={"odometry_scale": "0.001"})), "",
+         (POINTS,)),
+        ("centre of mass beside the base", TROT,
+         together(pose.of_link((0.04, 0.03, 0.0), "trunk"), changed(statics=()),
+                  sensor.user_gives(set={"com_offset_m": "-0.04,-0.03,0"}),
+                  true(pressure_forward_m=None, pressure_left_m=None)), "", (POINTS,)),
+        ("poses of the shell, base named", ON_THE_SPOT,
+         together(pose.of_link((0.25, 0.1, 0.05), "shell"),
+                  sensor.user_gives(set={"base_frame": "base_link"})), "", (POINTS,)),
+        ("poses of a link that is nowhere", TROT,
+         together(pose.of_link((0.05, 0.02, 0.01)), changed(statics=())),
          "POSE_FRAME .* no static transform", (POINTS,)),
         ("a quarter of real time, feet without stamps", TROT, time.quarter_speed(feet=True),
          "CLOCK_OFFSET", EVERY),
@@ -129,6 +137,8 @@ def sound() -> Iterator[Case]:
     turn = radians(30.0)
     corners = tuple((x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn))
                     for x, y in quadruped().corners_m)
+    crabwise = true(forward_speed_mps=0.5 * cos(turn), lateral_speed_mps=-0.5 * sin(turn),
+                    froude=None, braking_impulse_ns=None, propulsive_impulse_ns=None)
     crab = Walk(body_yaw_rad=turn, robot=replace(quadruped(), corners_m=corners))
     starts = pose.relocalised(0.0, radians(70.0), (12.0, -7.0, 0.0))
     run = Walk(gait=gaits.BIPED_RUN, robot=biped(), period_s=0.7, speed_mps=2.5)
@@ -138,25 +148,25 @@ def sound() -> Iterator[Case]:
     heaving = Walk(gait=gaits.TRIPOD, robot=hexapod(3.0), period_s=0.82, speed_mps=0.6, seconds=7.3,
                    heaves=True)
     bounding = Walk(gait=gaits.HALF_BOUND, speed_mps=0.2, turn_radps=-0.8, seconds=12.0)
-    every = tuple(WAYS)
+    every, nothing = tuple(WAYS), together()
     table: tuple[tuple[str, Walk, Disturbance, Sequence[str]], ...] = (
-        ("a trot", TROT, _nothing, every),
-        ("a slow walk", SLOW, _nothing, every),
-        ("steps on the spot, one pose", Walk(speed_mps=0.0), _nothing, (POINTS, PLACES)),
-        ("a circle", CIRCLE, _nothing, every),
-        ("a turn on the spot", ON_THE_SPOT, _nothing, every),
-        ("a tight circle", TIGHT, _nothing, (POINTS,)),
-        ("crabwise", crab, _crabwise, every),
-        ("backwards", Walk(speed_mps=-0.4), _nothing, every),
-        ("uphill", UPHILL, _nothing, (POINTS, FORCES, TF, GYRO)),
+        ("a trot", TROT, nothing, every),
+        ("a slow walk", SLOW, nothing, every),
+        ("steps on the spot, one pose", Walk(speed_mps=0.0), nothing, (POINTS, PLACES)),
+        ("a circle", CIRCLE, nothing, every),
+        ("a turn on the spot", ON_THE_SPOT, nothing, every),
+        ("a tight circle", TIGHT, nothing, (POINTS,)),
+        ("crabwise", crab, crabwise, every),
+        ("backwards", Walk(speed_mps=-0.4), nothing, every),
+        ("uphill", UPHILL, nothing, (POINTS, FORCES, TF, GYRO)),
         ("odometry starts anywhere", TROT, starts, (FORCES, PLACES, TF)),
         ("20 Hz odometry", TROT, pose.rarely(20.0), every),
         ("planar poses on level ground", TROT, pose.flat(), (FORCES, PLACES, GYRO)),
         ("places that are not filled in", TROT, pose.places_unfilled, (PLACES,)),
-        ("a few strides", few, _nothing, (FORCES,)),
-        ("a tight circle on one hind foot at times", bounding, _nothing, (POINTS, PLACES)),
-        ("a run", run, _nothing, (POINTS,)),
-        ("a slow gallop", gallop, _nothing, (POINTS, PLACES)),
+        ("a few strides", few, nothing, (FORCES,)),
+        ("a tight circle on one hind foot at times", bounding, nothing, (POINTS, PLACES)),
+        ("a run", run, nothing, (POINTS,)),
+        ("a slow gallop", gallop, nothing, (POINTS, PLACES)),
         ("noise of 2 mm", TROT, pose.pose_noise(0.002), every),
         ("noise of 10 mm, tight circle", Walk(turn_radps=1.2, seconds=10.0), pose.pose_noise(0.01),
          (POINTS,)),
@@ -166,41 +176,9 @@ def sound() -> Iterator[Case]:
             yield _case(f"sound: {name}, {way}", walk, way, fault, "")
     faults = (pose.feet_in_tf, sensor.in_link_frame)
     yield Case("sound: loads that sag in mid-stance", sagging, faults, "")
-    case = _case(f"sound: few strides that heave, {TF}", heaving, TF, _nothing, "")
+    case = _case(f"sound: few strides that heave, {TF}", heaving, TF, nothing, "")
     yield replace(case, skip="peak force, size, braking", tolerance=ROUGH)
 # fmt: on
-
-
-def _nothing(recording: Recording) -> Recording:
-    return recording
-
-
-def _in_millimetres(recording: Recording) -> Recording:
-    known = sensor.user_gives(set={"odometry_scale": "0.001"})
-    return known(pose.scaled(1000.0)(recording))
-
-
-def _aside_of_mass(recording: Recording) -> Recording:
-    known = sensor.user_gives(set={"com_offset_m": "-0.04,-0.03,0"})
-    truth = recording.truth.but(pressure_forward_m=None, pressure_left_m=None)
-    moved = known(pose.of_link((0.04, 0.03, 0.0), "trunk")(recording))
-    return replace(moved, statics=(), truth=truth)
-
-
-def _of_shell(recording: Recording) -> Recording:
-    named = sensor.user_gives(set={"base_frame": "base_link"})
-    return named(pose.of_link((0.25, 0.1, 0.05), "shell")(recording))
-
-
-def _of_lost_link(recording: Recording) -> Recording:
-    return replace(pose.of_link((0.05, 0.02, 0.01))(recording), statics=())
-
-
-def _crabwise(recording: Recording) -> Recording:
-    ahead, aside = 0.5 * cos(radians(30.0)), -0.5 * sin(radians(30.0))
-    truth = recording.truth.but(forward_speed_mps=ahead, lateral_speed_mps=aside, froude=None)
-    truth = truth.but(braking_impulse_ns=None, propulsive_impulse_ns=None)
-    return replace(recording, truth=truth)
 
 
 def _case(name: str, walk: Walk, way: str, fault: Disturbance, says: str) -> Case:

@@ -9,13 +9,12 @@ from tests.truth import gaits
 from tests.truth import sensor_faults as sensor
 from tests.truth import time_faults as time
 from tests.truth.case import Case
-from tests.truth.recording import on
+from tests.truth.recording import FORCE, IN_CONTACT, changed, on
 from tests.truth.robots import biped, hexapod, quadruped
 from tests.truth.walking import Walk
 from tests.truth.walks import (
     BIPED,
     COARSE,
-    FORCE,
     LIGHT,
     LONG,
     NO_MASS,
@@ -139,7 +138,7 @@ def slopes() -> Iterator[Case]:
         yield Case(f"{name} 90", replace(walk, heading_rad=radians(90.0)))
         yield Case(f"{name} 135, link forces, /tf", replace(walk, heading_rad=radians(135.0)),
                    (link,))
-    no_tf = link, sensor.without_tf
+    no_tf = link, changed(has_tf=False)
     yield Case("flat, link forces, no /tf", TROT, no_tf, frame)
     yield Case("slope +20 degrees, link forces, no /tf", Walk(slope_rad=radians(20)), no_tf, frame)
     yield Case("flat, link forces, /tf", TROT, (link,))
@@ -260,7 +259,7 @@ def stopped() -> Iterator[Case]:
     for name, walk, faults in (
         ("bumper dead from mid-log on", LONG, (dead,)),
         ("bumper that is silent in swing dead from mid-log on", LONG,
-         (time.silent_in_swing, dead)),
+         (IN_CONTACT, dead)),
         ("force sensor dead, zeros from mid-log on", LONG, (*SENSED, dead)),
         ("force sensor dead, noise from mid-log on", LONG, (FORCE, dead, sensor.noise(1.0))),
         ("force sensor frozen from mid-log on", LONG, (*SENSED, frozen)),

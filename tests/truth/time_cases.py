@@ -6,7 +6,7 @@ from tests.truth import gaits
 from tests.truth import pose_faults as pose
 from tests.truth import time_faults as time
 from tests.truth.case import Case
-from tests.truth.recording import on
+from tests.truth.recording import IN_CONTACT, on
 from tests.truth.robots import quadruped
 from tests.truth.walking import Walk
 from tests.truth.walks import COARSE, SENSED, TROT
@@ -55,7 +55,7 @@ def clocks() -> Iterator[Case]:
 
 def losses() -> Iterator[Case]:
     """Lost messages and silence."""
-    swing = time.silent_in_swing
+    swing = IN_CONTACT
     slow = Walk(gait=gaits.symmetrical(0.8, 0.25), period_s=1.0)
     for percent in (2, 5, 10, 15):
         lost = time.lost(percent / 100.0)
