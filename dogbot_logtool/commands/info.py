@@ -13,7 +13,6 @@ from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.finding import Finding, by_severity, found
 from dogbot_logtool.io.storage import Location
-from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.reader.containers.log import Log, damage_of
@@ -54,7 +53,7 @@ def describe(
         ours = frozenset(log.channels.keys() - recorded.channels.keys())
         selection = select_topics(recorded, options)
         recording, chunks_seen = _first_seconds(recorded, selection)
-        settings = settings_of(selection, RobotOptions())
+        settings = settings_of(selection)
         known = known_frames(recording, settings)
         frames = None
         if options.frames:

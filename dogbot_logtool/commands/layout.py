@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import fields
+from math import degrees
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +13,7 @@ from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.recorded import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
+from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.recording import LARGEST
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.options import MeasureOptions, RobotOptions
@@ -40,7 +41,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         robot = load_robot(options.robot or "dogbot")
         topics, guessed = options.foot or {}, options.robot is None
         robot = assign_feet(robot, topics, frozenset(), guessed=guessed)
-        robot = with_settings(robot, options.set).with_mass(options.mass)
+        robot = with_settings(robot, options)
         return _view(robot, robot.world_frame or DEFAULT_WORLD, robot.base_frame or DEFAULT_BASE)
     with closing(open_recorded(log)) as opened:
         given = {each.name: getattr(options, each.name) for each in fields(RobotOptions)}
@@ -51,9 +52,9 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
         shape = robot_shape(walk)
         return view._replace(
             peak_n=_peak_n(recording.feet) or view.peak_n,
-            forward_axis=shape.forward_axis,
+            forward_axis=settings.forward_axis,
             size_m=shape.size_m,
-            turned_deg=turned_deg(recording),
+            turned_deg=degrees(walk.base_history.angles[:1, 2].sum()),
             has_stamps=not zero_stamps(recording, settings),
             damage=damage_of(opened, opened.losses),
         )

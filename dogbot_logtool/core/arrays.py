@@ -52,6 +52,11 @@ def interpolated(at: Ints, time: Ints, values: Floats | Float32s) -> Floats:
     return np.stack([np.interp(since, knots, column) for column in values.T], axis=-1)
 
 
+def middles(values: Floats) -> Floats:
+    """(n - 1, ...) means of each row and the next."""
+    return np.asarray((values[1:] + values[:-1]) / 2.0)
+
+
 def sum_by_group(values: Floats, group: Ints, groups: int) -> Floats:
     """(groups, k) or (groups,) sums of the rows, (n, k) or (n,), of each group; 0 of none."""
     if values.ndim == 2:
@@ -399,6 +404,11 @@ class Integral:
             return np.zeros((*since.shape, self.total.shape[1]))
         knots = self._since(self.time)
         return np.stack([np.interp(since, knots, column) for column in self.total.T], axis=-1)
+
+
+def integral(time: Ints, values: Floats) -> Integral:
+    """Add up values, (n, k), over times, (n,) ns."""
+    return Integral(time, trapezoids(np.diff(time) / 1e9, values))
 
 
 @np.errstate(over="ignore")

@@ -23,9 +23,9 @@ from dogbot_logtool.core.arrays import (
     Ints,
     aggregate,
     all_finite,
+    integral,
     median_of,
     nearest_rows,
-    trapezoids,
 )
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.base.witness import motion_in
@@ -101,7 +101,8 @@ def follow_commands(walk: Walk, history: VectorHistory) -> CommandTrack | None:
     opposed = []
     if longest.sum() / TRACKING_HZ >= _FEWEST_WINDOWS * window / 1e9:
         late = [
-            _turned(command.mean(time[longest] - delay, window), turn_rad) for delay in _DELAYS_NS
+            along_heading(command.mean(time[longest] - delay, window), turn_rad)
+            for delay in _DELAYS_NS
         ]
         opposed = [
             name
@@ -117,7 +118,7 @@ def follow_commands(walk: Walk, history: VectorHistory) -> CommandTrack | None:
         commanded_s=timespans.total(both) / 1e9,
         no_command_s=(timespans.total(known) - timespans.total(both)) / 1e9,
         time=time,
-        commanded=_turned(commanded, turn_rad),
+        commanded=along_heading(commanded, turn_rad),
         measured=measured,
         opposed=tuple(opposed),
     )
@@ -145,17 +146,11 @@ def _axes_turn(
     if forward_rad == 0.0:
         return 0.0, True
     turns = 0.0, forward_rad
-    errors = [measured - _turned(commanded, each) for each in turns]
+    errors = [measured - along_heading(commanded, each) for each in turns]
     squares = [float((each[:, :2] ** 2).sum()) for each in errors]
     better = squares.index(min(squares))
     clear = squares[better] <= _CLEARLY**2 * squares[1 - better] or not commanded[:, :2].any()
     return turns[better], bool(clear)
-
-
-def _turned(velocity: Floats, by_rad: float) -> Floats:
-    """(n, 3) velocities as in `AXES`, along axes that are turned to the left."""
-    forward, left = along_heading(velocity, np.full(len(velocity), by_rad))
-    return np.stack([forward, left, velocity[:, 2]], axis=1)
 
 
 def _oppose(measured: Floats, commanded: Floats) -> bool:
@@ -267,8 +262,7 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
     if mounting is not None:
         body = rotate(np.array([mounting]), body)
     half = round((walk.period_s or USUAL_WINDOW_S) * 5e8)
-    silent = np.flatnonzero(np.diff(at) > min(sensed.gap_ns, SPARSE_NS))
-    gaps = np.stack([at[silent], at[silent + 1]], axis=1)
+    gaps = timespans.steps_where(at, np.diff(at) > min(sensed.gap_ns, SPARSE_NS))
     known = timespans.intersect([at[[0, -1]][None, :], base.known])
     left_out = timespans.merge(np.concatenate([gaps, walk.jumps.spans, walk.fallen]))
     known = timespans.subtract(known, left_out)
@@ -278,7 +272,7 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
         return None
     poses = _acceleration(base, time, half)
     up = rotate(conjugate(attitude), np.broadcast_to([0.0, 0.0, GRAVITY_MPS2], body.shape))
-    means = _integral(at, np.concatenate([body, up], axis=1)).mean(time, 2 * half)
+    means = integral(at, np.concatenate([body, up], axis=1)).mean(time, 2 * half)
     turned = from_roll_pitch_yaw(base.angles_at(time))
     expected = means[:, 3:] + rotate(conjugate(turned), poses)
     mean, wanted = means[:, :3].mean(axis=0), expected.mean(axis=0)
@@ -289,7 +283,7 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
     reading = _reading(size, scale, float(np.sqrt((off * off).sum(axis=1).mean())))
     ratio, odd_foot = None, None
     if reading == "m/s^2":
-        world = _integral(at, rotate(attitude, rotate(turn[None], body)))
+        world = integral(at, rotate(attitude, rotate(turn[None], body)))
         ratio, odd_foot = _compare_forces(walk, world, time, half)
     metrics = Imu(
         topic=sensed.topic,
@@ -318,11 +312,6 @@ def _reading(size: float, scale: float, off: float) -> Reading:
     if abs(scale - 1.0) <= TOLERANCE:
         return "m/s^2"
     return "g" if abs(scale * GRAVITY_MPS2 - 1.0) <= TOLERANCE else "another scale"
-
-
-def _integral(time: Ints, values: Floats) -> Integral:
-    """Add up values, (n, k), over times, (n,) ns."""
-    return Integral(time, trapezoids(np.diff(time) / 1e9, values))
 
 
 def _acceleration(base: BaseHistory, time: Ints, half_ns: int) -> Floats:

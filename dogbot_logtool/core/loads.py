@@ -6,8 +6,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from dogbot_logtool.core import timespans
-from dogbot_logtool.core.arrays import Floats, Integral, Ints, trapezoids
+from dogbot_logtool.core.arrays import Floats, Integral, Ints, integral
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.sensor import varies
 from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
 NEAR_ZERO: Final = 1e-9
@@ -173,8 +174,7 @@ def fore_aft_ns(foot: FootHistory, heading: Floats) -> Floats:
     x, y = np.nan_to_num(track.horizontal_force).T
     along = x * np.cos(heading[known])[stance] + y * np.sin(heading[known])[stance]
     parts = np.stack([np.maximum(-along, 0.0), np.maximum(along, 0.0)], axis=1)
-    total = Integral(track.time, trapezoids(np.diff(track.time) / 1e9, parts))
-    impulses[:, known] = total.added(begin, end).T
+    impulses[:, known] = integral(track.time, parts).added(begin, end).T
     return impulses
 
 
@@ -207,8 +207,6 @@ def whole_strides(strides: Ints, feet: Sequence[FootHistory], *, vertical: bool)
     Returns:
         (n, 2) ns, neighbouring strides joined.
     """
-    if len(strides) == 0:
-        return timespans.no_spans()
     known = _known_to_all(feet, vertical=vertical)
     unknown = timespans.subtract(timespans.merge(strides), known)
     broken = timespans.touches(unknown, strides[:, 0] + 1, strides[:, 1] - 1)
@@ -306,7 +304,12 @@ def is_stuck(foot: FootHistory, feet: Sequence[FootHistory]) -> bool:
 
     Where no force varies the robot stands still, in a simulator without noise.
     """
-    return foot.is_constant and any(len(each.in_contact) and not each.is_constant for each in feet)
+    return foot.is_constant and any(not each.is_constant and _varies(each) for each in feet)
+
+
+def _varies(foot: FootHistory) -> bool:
+    track = foot.track
+    return varies(track.force[timespans.covers(foot.in_contact, track.time)])
 
 
 CELL_RATE_HZ: Final = 25.0

@@ -70,18 +70,15 @@ def roll_pitch_yaw(quaternion: Floats) -> Floats:
     return np.stack([roll, pitch, yaw], axis=1)
 
 
-def along_heading(vector: Floats, heading: Floats) -> tuple[Floats, Floats]:
-    """Split horizontal vectors into their parts along a heading and to the left of it.
+def along_heading(vector: Floats, heading: Floats | float) -> Floats:
+    """Turn horizontal vectors into their parts along a heading and to the left of it.
 
     Args:
-        vector: (n, 2) or more columns, of which the first two are used; in the world.
-        heading: (n,) rad.
-
-    Returns:
-        (n,) forward and (n,) left, in the vectors' unit.
+        vector: (n, 2), or more columns, which stay.
+        heading: (n,) rad, or one of all.
     """
-    cos, sin = np.cos(heading), np.sin(heading)
-    return vector[:, 0] * cos + vector[:, 1] * sin, vector[:, 1] * cos - vector[:, 0] * sin
+    (x, y, *others), cos, sin = vector.T, np.cos(heading), np.sin(heading)
+    return np.stack([x * cos + y * sin, y * cos - x * sin, *others], axis=1)
 
 
 def slerp(first: Floats, second: Floats, share: Floats) -> Floats:

@@ -40,7 +40,7 @@ def hold_window(spans: Ints, time: Ints, before_ns: int | Ints, after_ns: int | 
         after_ns: ns from there to its end, likewise.
     """
     if len(spans) == 0:
-        return np.zeros(len(time), np.bool_)
+        return np.zeros(time.shape, np.bool_)
     row = np.searchsorted(spans[:, 0], time - before_ns, side="right") - 1
     held: Flags = (row >= 0) & (time + after_ns <= spans[np.maximum(row, 0), 1])
     return held
@@ -102,6 +102,11 @@ def spans_where(edges: Ints, held: Flags) -> Ints:
         held: (n,) for the cell between each edge and the next.
     """
     return edges[flagged_runs(held)]
+
+
+def steps_where(time: Ints, held: Flags) -> Ints:
+    """(k, 2) ns, the steps that hold, each by itself, of (n - 1,) from each time to the next."""
+    return np.stack([time[:-1][held], time[1:][held]], axis=1)
 
 
 def merge(spans: Ints) -> Ints:

@@ -11,7 +11,7 @@ from dogbot_logtool.core.contact.contacts import Contacts, Samples, samples_by_f
 from dogbot_logtool.core.recording import Times, plausible
 from dogbot_logtool.reader.containers.log import Batch, Channel, Log
 from dogbot_logtool.reader.containers.loss import Loss
-from dogbot_logtool.reader.messages.bases import Base, BasePoses
+from dogbot_logtool.reader.messages.bases import BasePoses, read_base
 from dogbot_logtool.reader.messages.contacts import ReadContacts, read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.gazebo import UNTIMED
@@ -23,6 +23,7 @@ from dogbot_logtool.reader.messages.others import (
     read_transforms,
     read_vectors,
 )
+from dogbot_logtool.reader.messages.source import Topic
 
 TimeLimits = tuple[int | None, int | None]
 """ns, log times from which and up to which messages are taken; None: no limit."""
@@ -32,7 +33,7 @@ class Wanted(NamedTuple):
     """The channels of a log that are read, by what they tell."""
 
     feet: FootChannels
-    base: Base | None = None
+    base: Topic | None = None
     """How the base's poses are read; None: there are none."""
     transforms: tuple[Channel, ...] = ()
     joints: tuple[Channel, ...] = ()
@@ -80,7 +81,7 @@ def read_part(wanted: Wanted, log: Log, whole: Batch) -> Part:
     part = Part(losses=batch.losses)
     for channel, rows in rows_by_group(batch.messages.channel):
         part.columns["times", channel].append(batch.messages.log_time[rows])
-    for poses in wanted.base.read(batch) if wanted.base else ():
+    for poses in read_base(wanted.base, batch) if wanted.base else ():
         _add_poses(part, log, poses)
     for kind, feet in (("feet", wanted.feet), ("planned", wanted.planned)):
         for read in read_contacts(batch, feet) if feet else ():

@@ -12,15 +12,15 @@ from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.io.printable import listed
 from dogbot_logtool.io.storage import name_of
-from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base, choices, path_source
+from dogbot_logtool.reader.containers.log import Log
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, choices, path_source
 from dogbot_logtool.reader.messages.message_type import MessageType
+from dogbot_logtool.reader.messages.messages import without_sender
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.messages.source import Source, without_sender
+from dogbot_logtool.reader.messages.source import Source, Topic
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
-    Topic,
     first_messages,
     require_topic,
     split_topic,
@@ -64,14 +64,8 @@ class _Candidate(NamedTuple):
     topic: Topic
     rank: tuple[int, ...] = (_SURE,)
     """Whether they surely are, perhaps, or never; then what sorts those of a topic."""
-    element: str = ""
     frames: tuple[str, ...] = ()
     """Of a transform, parent and child."""
-
-    @property
-    def name(self) -> str:
-        """The name as ``--odom-topic`` takes it."""
-        return f"{self.topic.name}:{self.element}" if self.element else self.topic.name
 
     @property
     def row(self) -> MessageType:
@@ -81,7 +75,7 @@ class _Candidate(NamedTuple):
     @property
     def is_planned(self) -> bool:
         """Whether its poses are what a planner wants."""
-        words = texts_of(self.topic.name)
+        words = texts_of(self.topic.topic)
         always = self.row.planned == "always" and words.isdisjoint(_CURRENT_WORDS)
         return always or not words.isdisjoint(PLANNED)
 
@@ -90,12 +84,12 @@ class _Candidate(NamedTuple):
         """What tells several robots' poses of one type apart; empty: they are all the base's."""
         if self.topic.source.is_transform:
             return self.frames[1].lstrip("/").rpartition("/")[0]
-        return self.name if self.row.anything or self.frames else ""
+        return self.topic.name if self.row.anything or self.frames else ""
 
 
 def choose_base(
     log: Log, robot: Robot, findings: list[Finding], feet: Collection[str], *, is_asked: bool
-) -> tuple[Robot, Base | None]:
+) -> tuple[Robot, Topic | None]:
     """Choose the base's poses of a log, and say which, what else there is, and what to know.
 
     Args:
@@ -121,13 +115,13 @@ def choose_base(
     likely = [each for each in every if each.rank[0] != _NEVER]
     robots = {_namespace_of(topic) for topic in feet}
     whose = robots.pop() if len(robots) == 1 else ""
-    names = [each.topic.name for each in likely]
+    names = [each.topic.topic for each in likely]
     foreign = [name for name in names if whose and _namespace_of(name) not in {whose, ""}]
-    own = _sorted([each for each in likely if each.topic.name not in foreign])
+    own = _sorted([each for each in likely if each.topic.topic not in foreign])
     if foreign:
         case, say = ((), "plain") if own else (("alone",), "alone")
         told = {"topics": listed(foreign), "whose": whose}
-        told["own"] = listed([each.name for each in own])
+        told["own"] = listed([each.topic.name for each in own])
         findings.append(found("POSE_OTHER_ROBOT", *case, where=foreign[0], say=say, **told))
     if not own or own[0].rank[0] != _SURE:
         is_there = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
@@ -135,10 +129,10 @@ def choose_base(
         findings.append(found("NO_BASE", say="unread" if is_there else "plain", poses=poses))
         return robot, None
     best, *others = own
-    text = f"the base's poses are taken from {best.name} ({best.row.name})"
+    text = f"the base's poses are taken from {best.topic.name} ({best.row.name})"
     text += f", since the robot's {named} is missing or cannot be used" if named else ""
     text += f"; there are also {_options(others)}" if others else ""
-    findings.append(Finding("TOPICS_CHOSEN", text, best.topic.name))
+    findings.append(Finding("TOPICS_CHOSEN", text, best.topic.topic))
     return _chosen(robot, best, findings)
 
 
@@ -157,39 +151,30 @@ def _named(log: Log, robot: Robot, name: str) -> _Candidate:
     if told is not None and told.source.row.choose:
         every, element = _sorted(_poses_in(log, robot, told)), element.lstrip("/")
         for each in every:
-            if each.element == element if element else each.rank[0] == _SURE:
+            if each.topic.element == element if element else each.rank[0] == _SURE:
                 return each
-        known = listed(sorted(each.element for each in every), _MOST_LISTED) or "none"
+        known = listed(sorted(each.topic.element for each in every), _MOST_LISTED) or "none"
         what = element or f"pose that is surely the base's, so {topic}:NAME names one"
         raise CallError(f"{where} has no {what}; it has {known}")
     if told is not None and not element:
         return _Candidate(told)
+    channels = log.channels_by_topic[topic]
+    own = [c for c in channels if without_sender(c) == without_sender(channels[0])]
     try:
-        return _Candidate(_at_path(log.channels_by_topic[topic], element), element=element)
+        return _Candidate(Topic(path_source(own[0], element), tuple(own), element))
     except DefinitionError as reason:
         raise CallError(f"{where}: {reason}") from None
 
 
-def _at_path(channels: Sequence[Channel], path: str) -> Topic:
-    """Return the poses at a path in the messages of some channels of a topic.
-
-    Raises:
-        DefinitionError: the first has none.
-    """
-    source = path_source(channels[0], path)
-    own = (c for c in channels if without_sender(c) == without_sender(channels[0]))
-    return Topic(channels[0].topic, source, tuple(own))
-
-
 def _chosen(
     robot: Robot, candidate: _Candidate, findings: list[Finding]
-) -> tuple[Robot, Base | None]:
+) -> tuple[Robot, Topic | None]:
     """Return what is read of a candidate, with findings about what its poses are."""
     topic, row = candidate.topic, candidate.row
     if candidate.is_planned:
-        findings.append(found("PLANNED", "base", where=topic.name, name=candidate.name))
+        findings.append(found("PLANNED", "base", where=topic.topic, name=topic.name))
     if row.remark:
-        findings.append(Finding("TOPICS_CHOSEN", f"{candidate.name}: {row.remark}", topic.name))
+        findings.append(Finding("TOPICS_CHOSEN", f"{topic.name}: {row.remark}", topic.topic))
     if not topic.source.has_header:
         findings.append(found("LOG_TIME_USED", "no_header", say="type", type=row.name))
     if topic.source.is_transform:
@@ -197,14 +182,16 @@ def _chosen(
         robot = replace(robot, world_frame=parent, base_frame=child)
         if "footprint" in child:
             text = f"{child} is the base's projection on the ground: height, roll and pitch are "
-            findings.append(Finding("TOPICS_CHOSEN", f"{text}those of the ground", topic.name))
-    return robot, Base(topic.source, topic.channels, candidate.element)
+            findings.append(Finding("TOPICS_CHOSEN", f"{text}those of the ground", topic.topic))
+    return robot, topic
 
 
 def _options(candidates: Sequence[_Candidate]) -> str:
     """Return the words that choose some candidates."""
+    planned = (" (planned)" if each.is_planned else "" for each in candidates)
     words = [
-        f"--odom-topic {each.name}{' (planned)' if each.is_planned else ''}" for each in candidates
+        f"--odom-topic {each.topic.name}{which}"
+        for each, which in zip(candidates, planned, strict=True)
     ]
     return listed(words, _MOST_OFFERED)
 
@@ -221,7 +208,7 @@ def _poses_in(log: Log, robot: Robot, topic: Topic) -> list[_Candidate]:
             for messages in first_messages(log, channel, topic.source.columns):
                 frames |= choices(topic.source, messages)
         return [
-            _Candidate(topic, _rank(parts, robot, topic.source), name, parts)
+            _Candidate(topic._replace(element=name), _rank(parts, robot, topic.source), parts)
             for name, parts in sorted(frames.items())
         ]
     words = texts_of(topic.name)

@@ -154,7 +154,8 @@ def robot_description(
         if frames.base not in {link for joint in joints for link in (joint.parent, joint.child)}:
             told.append(found("ROBOT_DESCRIPTION", say="no_base", base=frames.base))
     if not own and urdf is None:
-        urdf = primitive_urdf(selection.robot, bones, shape)
+        robot = replace(selection.robot, forward_axis=walk.settings.forward_axis)
+        urdf = primitive_urdf(robot, bones, shape)
     return RobotDescription(None if own else urdf, tuple(told), hips, joints, shape.height_m)
 
 
@@ -225,8 +226,6 @@ class Skeleton(NamedTuple):
 class RobotShape(NamedTuple):
     """The known shape of the robot."""
 
-    forward_axis: str
-    """The body axis that points forward, ``+x`` ..."""
     hips: Mapping[int, Point]
     """m, base frame: where legs are assumed to begin, by foot."""
     height_m: float
@@ -272,7 +271,7 @@ def robot_shape(walk: Walk) -> RobotShape:
         height = max(-float(median_of(points[:, 2])), 0.0) or length
         length = max(float(np.ptp(points[:, :2], axis=0).max()), 0.5 * length)
     hips = {foot: (_INSIDE * x, _INSIDE * y, 0.0) for foot, (x, y, _) in stances.items()}
-    return RobotShape(walk.settings.forward_axis, hips, height, max(length, height))
+    return RobotShape(hips, height, max(length, height))
 
 
 def body_size_m(mass_kg: float | None) -> tuple[float, float, float]:
@@ -346,9 +345,10 @@ def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str
     """Return the URDF of a body, limbs between joints, feet in their colours, and a nose.
 
     Args:
-        described: its name, and its mass, which gives the body's size where the legs do not.
+        described: its name, its forward axis, and its mass, which gives the body's size where the
+            legs do not.
         frames: below its base.
-        shape: which axis points forward, and where legs without frames are assumed to begin.
+        shape: where legs without frames are assumed to begin.
     """
     robot = ET.Element("robot", name=described.name)
     materials = {foot: f"foot {described.feet[foot].name}" for foot in frames.legs}
@@ -361,7 +361,7 @@ def primitive_urdf(described: Robot, frames: Skeleton, shape: RobotShape) -> str
     }
     centre, size = _body(described, frames, shape)
     _add_visual(links[frames.base], "body", "box", centre, size=size)
-    forward = np.array(_AXES[shape.forward_axis])
+    forward = np.array(_AXES[described.forward_axis])
     depth, across = 0.15 * size.max(), 0.4 * size[:2][forward[:2] == 0].item()
     nose = np.where(forward != 0, depth, across)
     nose[2] = 0.6 * size.min()
@@ -400,7 +400,7 @@ def _body(robot: Robot, frames: Skeleton, shape: RobotShape) -> tuple[Floats, Fl
         length, width, height = body_size_m(robot.mass_kg)
         upright = len(robot.feet) == 2
         length, height = (height, length) if upright else (length, height)
-        length, width = (length, width) if _AXES[shape.forward_axis][0] else (width, length)
+        length, width = (length, width) if _AXES[robot.forward_axis][0] else (width, length)
         centre = np.array([0.0, 0.0, 0.5 * height if upright else 0.0])
         return centre, np.array([length, width, height])
     low, high = np.min(hips, axis=0), np.max(hips, axis=0)

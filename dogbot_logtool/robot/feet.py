@@ -13,14 +13,14 @@ from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import feet_in
-from dogbot_logtool.reader.messages.source import Source, source_of
-from dogbot_logtool.robot.names import ORDER, FootSet, label_names, leg_position, name_feet
+from dogbot_logtool.reader.messages.source import Source, Topic, source_of
+from dogbot_logtool.robot.names import FootSet, label_names, leg_order, leg_position, name_feet
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (
-    Topic,
     first_messages,
     foot_options,
     is_named_as_planned,
+    is_planned,
     names_of,
     require_topic,
     split_topic,
@@ -188,7 +188,7 @@ def _feet_by_names(log: Log) -> tuple[FootSet | None, list[FootSet]]:
     offered: list[FootSet] = []
     best: FootSet | None = None
     for topics in _by_type(log):
-        if best is not None and topics[0].is_planned:
+        if best is not None and is_planned(topics[0].channels[0]):
             break
         source, names = topics[0].source, [each.name for each in topics]
         if source.tells_all_feet:
@@ -209,7 +209,7 @@ def _by_type(log: Log) -> list[list[Topic]]:
     groups: dict[tuple[int, str], list[Topic]] = {}
     for topic in topics_of(log, "feet"):
         named = topic.source.tells_all_feet and is_named_as_planned(topic.name)
-        key = topic.is_planned + named, topic.source.row.name
+        key = is_planned(topic.channels[0]) + named, topic.source.row.name
         groups.setdefault(key, []).append(topic)
     return [groups[key] for key in sorted(groups, key=lambda key: key[0])]
 
@@ -276,13 +276,7 @@ def _at_legs(legs: Sequence[str], topic: Topic) -> tuple[Foot, ...]:
 
 def _front_to_back(feet: Iterable[Foot]) -> tuple[Foot, ...]:
     """Sort feet front to back, left before right; those of unknown legs stand behind."""
-    order = (*ORDER, "centre", "")
-
-    def key(foot: Foot) -> tuple[int, int, str]:
-        end, side = foot.leg_position or ("", "")
-        return order.index(end), order.index(side), "" if end else foot.name
-
-    return tuple(sorted(feet, key=key))
+    return tuple(sorted(feet, key=lambda foot: leg_order(foot.name, foot.leg_position)))
 
 
 def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[Foot, ...]:
@@ -299,7 +293,7 @@ def planned_feet(log: Log, robot: Robot, contacts: Sequence[Channel]) -> tuple[F
     plans = [
         each
         for each in topics_of(log, "feet")
-        if each.source.tells_all_feet and each.is_planned and each.name not in used
+        if each.source.tells_all_feet and is_planned(each.channels[0]) and each.topic not in used
     ]
     names = {foot.name for foot in robot.feet}
     # A plan of the measurement's own type tells forces in the same way.

@@ -43,7 +43,7 @@ _NUMBERED: Final = 4
 """Legs from which numbers are believed; two may as well be two sensors of a foot."""
 _USABLE: Final = -2
 """Merit below which a topic tells no measured force: it is planned, or an error."""
-ORDER: Final = ("front", "middle", "back", "left", "right")
+_ORDER: Final = ("front", "middle", "back", "left", "right", "centre", "")
 """Ends and sides, as legs are sorted by them."""
 Words = Sequence[Word]
 Group = Mapping[str, Words]
@@ -163,15 +163,14 @@ def _lone_foot(topic: str, words: Words) -> FootSet | None:
 
 def _sets(group: Group) -> Iterator[FootSet]:
     """Yield siblings as sets of feet; more than one set where they are of several robots."""
-    differ = _that_differ(group.values())
-    kind, legs = _read_legs(group, differ)
+    legs = _read_legs(group, _that_differ(group.values()))
     if not legs:
         return
     of_leg: dict[str, dict[str, Words]] = {}
-    for topic in sorted(group, key=lambda topic: legs[topic].order):
-        of_leg.setdefault(legs[topic].name, {})[topic] = group[topic]
+    for topic, words in group.items():
+        of_leg.setdefault(legs[topic].name, {})[topic] = words
     if len(of_leg) == len(group):
-        yield _as_feet(group, legs, kind)
+        yield _as_feet(group, legs)
         return
     others = sorted({at for own in of_leg.values() for at in _that_differ(own.values())})
     parts: dict[tuple[str, ...], dict[str, Words]] = {}
@@ -179,8 +178,8 @@ def _sets(group: Group) -> Iterator[FootSet]:
         for topic, words in own.items():
             parts.setdefault(tuple(words[at].text for at in others), {})[topic] = words
     is_grid = len(of_leg) > 1 and all(len(part) == len(of_leg) for part in parts.values())
-    if kind != "rows" and is_grid and _are_places(group, legs, others):
-        yield _as_feet(group, legs, kind, [part for _, part in sorted(parts.items())])
+    if is_grid and _are_places(group, legs, others):
+        yield _as_feet(group, legs, [part for _, part in sorted(parts.items())])
         return
     for part in parts.values() if len(parts) > 1 else ():
         yield from _sets(part)
@@ -198,18 +197,18 @@ def _are_places(group: Group, legs: "Mapping[str, _Leg]", others: Sequence[int])
     Words such as toe and heel may stand before the leg's, numbers, letters and ends only behind.
     """
     return all(
-        words[at].slot and (at > legs[topic].slots[0] or words[at].part is not None)
+        legs[topic].kind != "rows"
+        and words[at].slot
+        and (at > legs[topic].slots[0] or words[at].part is not None)
         for topic, words in group.items()
         for at in others
     )
 
 
-def _as_feet(
-    group: Group, legs: "Mapping[str, _Leg]", kind: str, sensors: Sequence[Group] = ()
-) -> FootSet:
+def _as_feet(group: Group, legs: "Mapping[str, _Leg]", sensors: Sequence[Group] = ()) -> FootSet:
     """Return siblings as feet, or as the sensors of each foot; one's words stand for all."""
-    topics = sorted(group, key=lambda topic: legs[topic].order)
-    words, slots = group[topics[0]], legs[topics[0]].slots
+    topics = sorted(group, key=lambda topic: leg_order(legs[topic].name, legs[topic].position))
+    words, (kind, _, slots, _) = group[topics[0]], legs[topics[0]]
     first = words[slots[0]].segment
     before = [word for word in words if word.segment == first - 1]
     # A segment before the leg's describes it only if it says nothing else, as `/foot_sensors/`.
@@ -235,26 +234,21 @@ def _as_feet(
 class _Leg(NamedTuple):
     """A name, understood as that of a leg."""
 
+    kind: str
+    """See `FootSet`."""
     name: str
-    order: tuple[int, int]
-    """Sorts legs front to back and left before right, or by number."""
     slots: tuple[int, ...]
     """The words that name it."""
     position: LegPosition | None = None
 
 
-def _read_legs(group: Group, differ: Sequence[int]) -> tuple[str, dict[str, _Leg]]:
-    """Return the leg of each name, all read in the same way, and its kind; none: no way fits."""
-    for kind, read in (
-        ("corners", _corner),
-        ("rows", _of_row),
-        ("numbers", _numbered),
-        ("sides", _side),
-    ):
+def _read_legs(group: Group, differ: Sequence[int]) -> dict[str, _Leg]:
+    """Return the leg of each name, all read in the same way; none: no way fits."""
+    for read in (_corner, _numbered, _side):
         legs = {topic: leg for topic, words in group.items() if (leg := read(words, differ))}
-        if len(legs) == len(group):
-            return kind, legs
-    return "", {}
+        if len(legs) == len(group) and len({leg.kind for leg in legs.values()}) == 1:
+            return legs
+    return {}
 
 
 def _corner(words: Words, differ: Sequence[int]) -> _Leg | None:
@@ -278,53 +272,42 @@ def _corner(words: Words, differ: Sequence[int]) -> _Leg | None:
     end, side = position = _end_and_side(words[at].text for at in own)
     if not (end and side):
         return None
-    order = ORDER.index(end), ORDER.index(side)
-    return _Leg(f"{end}_{side}", order, tuple(own), position)
-
-
-def _of_row(words: Words, differ: Sequence[int]) -> _Leg | None:
-    """Read words as one of two rows of numbered legs: ``l1``, ``left_leg_1``, ``leg1_l``, ``bl``.
-
-    Which end the numbers begin at is not known, so such a leg has no position.
-    """
-    rows = [(at, at, *ROWS[words[at].text]) for at in differ if words[at].text in ROWS]
-    sides = [at for at in differ if words[at].text in SIDES]
-    for at in (at for at in differ if words[at].slot == "number"):
-        # Beside `leg` the side stands before or behind, else the number may be of something else.
-        is_of_leg = words[at - 1].part is Part.LEG
-        beside = {at - 2, at + 1} if is_of_leg else {at - 1}
-        rows += [
-            (min(at, side), max(at, side), words[at].text, SIDES[words[side].text])
-            for side in sides
-            if side in beside and words[side].segment == words[at].segment
-        ]
-    for first, last, row, side_of in rows[:1]:
-        order = _number(row), ORDER.index(side_of)
-        return _Leg(f"{side_of}_{row}", order, tuple({first: 0, last: 0}))
-    return None
+    return _Leg("corners", f"{end}_{side}", tuple(own), position)
 
 
 def _numbered(words: Words, differ: Sequence[int]) -> _Leg | None:
-    """Read a word as the number of a leg, ``leg_1`` or ``leg/1``, or of what may be one."""
-    if len(differ) != 1 or words[differ[0]].slot != "number":
+    """Read words as a numbered leg, or as what may be one: ``leg_1``, ``leg/1``.
+
+    It may be of one of two rows: ``l1``, ``left_leg_1``, ``leg1_l``, ``bl``. Which end the numbers
+    begin at is not known, so such a leg has no position.
+    """
+    numbers = [at for at in differ if words[at].slot == "number"]
+    for at in differ:
+        if words[at].text in ROWS:
+            row, side = ROWS[words[at].text]
+            return _Leg("rows", f"{side}_{row}", (at,))
+    for at in numbers:
+        # Beside `leg` the side stands before or behind, else the number may be of something else.
+        beside = {at - 2, at + 1} if words[at - 1].part is Part.LEG else {at - 1}
+        for near in beside.intersection(differ):
+            side = SIDES.get(words[near].text, "")
+            if side and words[near].segment == words[at].segment:
+                return _Leg("rows", f"{side}_{words[at].text}", (min(at, near), max(at, near)))
+    if not numbers or len(differ) != 1:
         return None
-    word = words[differ[0]]
-    beside = [one for one in words if one.segment == word.segment and one is not word]
-    beside = beside or [one for one in words if one.segment == word.segment - 1][-1:]
-    part = next((one.text for one in reversed(beside) if one.is_leg), "foot")
-    return _Leg(f"{part}_{word.text}", (_number(word.text), 0), tuple(differ))
+    word = words[numbers[0]]
+    beside_it = [one for one in words if one.segment == word.segment and one is not word]
+    beside_it = beside_it or [one for one in words if one.segment == word.segment - 1][-1:]
+    part = next((one.text for one in reversed(beside_it) if one.is_leg), "foot")
+    return _Leg("numbers", f"{part}_{word.text}", tuple(differ))
 
 
 def _side(words: Words, differ: Sequence[int]) -> _Leg | None:
     """Read a word as the side of one of two legs."""
     for at in differ:
         if side := SIDES.get(words[at].text):
-            return _Leg(side, (ORDER.index(side), 0), (at,))
+            return _Leg("sides", side, (at,))
     return None
-
-
-def _number(text: str) -> int:
-    return int(text[:9]) if text.isdecimal() else ord(text) - ord("a")
 
 
 def _end_and_side(texts: Iterable[str]) -> LegPosition:
@@ -351,13 +334,22 @@ def leg_position(name: str) -> LegPosition | None:
     return position if all(position) else None
 
 
+def leg_order(name: str, position: LegPosition | None) -> tuple[int, int, int, str, str]:
+    """Return what sorts legs front to back, left before right; others by number, then by name."""
+    end, side = position or ("", "")
+    last = name.rpartition("_")[2]
+    number = int(last) if last.isdecimal() else 0
+    return _ORDER.index(end), _ORDER.index(side), number, last, name
+
+
 def foot_name(label: str) -> str:
     """Return a name for a foot that messages call by a label, such as ``LF_FOOT``."""
     end, side = leg_of(label)
     if side:
         return f"{end}_{side}" if end else side
     words = words_of(label)
-    numbered = {leg.name for at in range(len(words)) if (leg := _numbered(words, [at]))}
+    legs = (_numbered(words, [at]) for at in range(len(words)))
+    numbered = {leg.name for leg in legs if leg and leg.kind == "numbers"}
     return numbered.pop() if len(numbered) == 1 else _sanitised(label)
 
 

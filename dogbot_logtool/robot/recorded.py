@@ -86,16 +86,9 @@ def time_limits(log: Log, start_s: float | None, end_s: float | None) -> TimeLim
     start = None if start_s is None else begins + round(start_s * 1e9)
     end = None if end_s is None else begins + round(end_s * 1e9)
     first = begins if start is None else start
-    fault = ""
-    if first < begins:
-        fault = f"--start {start_s:.12g} lies before the log"
-    elif end is not None and end <= first:
-        begin = "the log's start" if start_s is None else f"--start {start_s:.12g}"
-        fault = f"--end {end_s:.12g} is not after {begin}"
-    elif first > begins and first >= ends:
-        fault = f"--start {start_s:.12g} is not before the log's end"
-    if fault:
-        raise CallError(f"{name_of(log.source.path)}: {fault}; {_length(log)}")
+    starts_outside = first < begins or first > max(begins, ends - 1)
+    if starts_outside or (end is not None and end <= first):
+        raise _no_such_span(log, (start, end))
     return start, end
 
 
@@ -110,16 +103,18 @@ def refuse_empty_span(log: Log, limits: TimeLimits, messages: int) -> None:
     Raises:
         CallError: there is a span, and nothing is in it.
     """
-    if messages or limits == (None, None):
-        return
-    (start, end), begins = limits, log.start_time or 0
-    first = 0.0 if start is None else (start - begins) / 1e9
-    last = ((log.end_time or 0 if end is None else end) - begins) / 1e9
-    raise CallError(
-        f"{name_of(log.source.path)}: no message was recorded from {first:.12g} to {last:.12g} s; "
-        f"{_length(log)}"
+    if not messages and limits != (None, None):
+        raise _no_such_span(log, limits)
+
+
+def _no_such_span(log: Log, limits: TimeLimits) -> CallError:
+    begins, length_s = log.start_time or 0, ((log.end_time or 0) - (log.start_time or 0)) / 1e9
+    asked = " ".join(
+        f"--{option} {(time - begins) / 1e9:.12g}"
+        for option, time in zip(("start", "end"), limits, strict=True)
+        if time is not None
     )
-
-
-def _length(log: Log) -> str:
-    return f"it lasts from 0 to {((log.end_time or 0) - (log.start_time or 0)) / 1e9:.3f} s"
+    return CallError(
+        f"{name_of(log.source.path)}: {asked}: the log has no messages there; "
+        f"it lasts from 0 to {length_s:.3f} s"
+    )

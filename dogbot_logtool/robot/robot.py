@@ -92,10 +92,6 @@ class Robot:
         """Return the feet that a topic's messages are about."""
         return tuple(foot for foot in self.feet if foot.topic == topic)
 
-    def with_mass(self, mass_kg: float | None) -> "Robot":
-        """Return this robot with another mass, where one is given."""
-        return self if mass_kg is None else replace(self, mass_kg=mass_kg)
-
 
 @cache
 def known_robots() -> tuple[str, ...]:
@@ -180,19 +176,22 @@ def _refuse_unknown(keys: Mapping[str, Any], source: str, prefix: str = "") -> N
 # --- settings for one call -----------------------------------------------------------------------
 
 
-def with_settings(robot: Robot, settings: Mapping[str, str] | None) -> Robot:
+def with_settings(robot: Robot, options: RobotOptions) -> Robot:
     """Return a robot with fields set for this call; they are named in its `given`.
 
     Args:
         robot: with the feet that the log has.
-        settings: texts by field, by its name (``contact_on_n``) or its key in the file
-            (``contact.on_n``, ``feet.NAME.frame``); ``tare.NAME`` is ``feet.NAME.offset_n``.
+        options: with a mass, and texts to `set` by field, by its name (``contact_on_n``) or its
+            key in the file (``contact.on_n``, ``feet.NAME.frame``); ``tare.NAME`` is
+            ``feet.NAME.offset_n``.
 
     Raises:
         CallError: there is no such field or foot, or the text is no value for it.
     """
-    given = set()
-    for path, text in (settings or {}).items():
+    given = set[str]()
+    if options.mass is not None:
+        robot, given = replace(robot, mass_kg=options.mass), {"mass_kg"}
+    for path, text in (options.set or {}).items():
         foot, name, value = _parsed(path, text)
         if not foot:
             robot = replace(robot, **{name: value})

@@ -10,11 +10,11 @@ from typing import Literal, NamedTuple
 from dogbot_logtool.finding import Finding, found
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.reader.containers.log import Channel, Log
-from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, Base
+from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.feet import FootChannels
 from dogbot_logtool.reader.messages.others import TRANSFORM_TYPES
-from dogbot_logtool.reader.messages.source import Source
+from dogbot_logtool.reader.messages.source import Source, Topic
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import choose_base
 from dogbot_logtool.robot.feet import assign_feet, channels_of_feet, check_topics, find_feet
@@ -54,7 +54,7 @@ class Selection(NamedTuple):
     """Fields that may be feet, the most likely first, where no topics are; see also `findings`."""
     ignored_flags: frozenset[int] = frozenset()
     """Feet of which forces decide contact, since they contradict the flags of the messages."""
-    base: Base | None = None
+    base: Topic | None = None
     """How the base's poses are read; None: there are none."""
     robot_is_guessed: bool = False
     """Whether the robot was guessed from the log's topics."""
@@ -119,7 +119,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
     named = _with_options(log, _choose_robot(log, options, findings), options)
     of_feet: list[Finding] = []
     robot, unsure = find_feet(log, named, of_feet)
-    robot = with_settings(robot, options.set)
+    robot = with_settings(robot, options)
     feet_of = channels_of_feet(log, robot)
     possible = find_candidates(log) if not (feet_of or unsure) else []
     offers = [*unsure, *possible]
@@ -154,7 +154,7 @@ def select_topics(log: Log, options: RobotOptions) -> Selection:
 def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> Robot:
     """Return the robot that the user names, else the known one whose topics the log has."""
     if options.robot is not None:
-        return load_robot(options.robot).with_mass(options.mass)
+        return load_robot(options.robot)
     usable, recorded = _usable_topics(log), log.channels_by_topic
     robot, most = load_robot(GENERIC), 0
     for name in known_robots():
@@ -168,7 +168,7 @@ def _choose_robot(log: Log, options: RobotOptions, findings: list[Finding]) -> R
         if fits and len(topics) > most:
             robot, most = known, len(topics)
     findings.append(found("ROBOT_GUESSED", robot=robot.name))
-    return robot.with_mass(options.mass)
+    return robot
 
 
 def _usable_topics(log: Log) -> frozenset[str]:

@@ -4,7 +4,7 @@ from collections.abc import Collection, Container, Iterable, Iterator, Mapping, 
 from dataclasses import replace
 from itertools import islice
 from pathlib import PurePath
-from typing import Final, NamedTuple
+from typing import Final
 
 from dogbot_logtool.errors import CallError, DefinitionError, LogError
 from dogbot_logtool.finding import Finding, found
@@ -17,7 +17,7 @@ from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.contacts import foot_source
 from dogbot_logtool.reader.messages.message_type import Part
 from dogbot_logtool.reader.messages.messages import SERIALISATIONS, DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.source import Topic, source_of
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.names import FootSet
 from dogbot_logtool.robot.robot import Robot
@@ -51,20 +51,6 @@ _NO_STATES: Final = PLANNED | {"teleop", "joy", "foot"}
 _MOST_CHANNELS: Final = 16
 
 
-class Topic(NamedTuple):
-    """A topic that tells of a part of a walk, and how its messages are read."""
-
-    name: str
-    source: Source
-    channels: tuple[Channel, ...]
-    """All of one definition."""
-
-    @property
-    def is_planned(self) -> bool:
-        """Whether it tells what was planned of feet, not what was measured."""
-        return _is_planned(self.source, self.name)
-
-
 def topics_of(log: Log, part: Part) -> list[Topic]:
     """Return the topics that tell of a part and can be decoded, the best first.
 
@@ -76,7 +62,7 @@ def topics_of(log: Log, part: Part) -> list[Topic]:
         if source is None or source.fault:
             continue
         key = source.row.name, channel.topic
-        topic = own.setdefault(key, Topic(channel.topic, source, ()))
+        topic = own.setdefault(key, Topic(source, ()))
         if source.columns == topic.source.columns:
             own[key] = topic._replace(channels=(*topic.channels, channel))
 
@@ -164,14 +150,10 @@ def require_topic(
 
 
 def is_planned(channel: Channel) -> bool:
-    """Tell whether a channel's messages tell what was planned, not what was measured."""
+    """Tell whether a channel's messages tell what was planned of feet, not what was measured."""
     source = source_of(channel, "feet")
-    return source is not None and _is_planned(source, channel.topic)
-
-
-def _is_planned(source: Source, topic: str) -> bool:
-    by_name = source.row.planned == "by name" and is_named_as_planned(topic)
-    return source.row.planned == "always" or by_name
+    how = source.row.planned if source else ""
+    return how == "always" or (how == "by name" and is_named_as_planned(channel.topic))
 
 
 def is_named_as_planned(topic: str) -> bool:
@@ -200,7 +182,8 @@ def side_topics(
     """Choose the topics of velocity commands and of the base's inertial unit.
 
     Returns:
-        velocity commands, accelerations, and which of several topics they are.
+        the channels of velocity commands, those of accelerations, and which of several topics
+        they are.
 
     Raises:
         CallError: the robot names a topic that the log does not have, or one of a wrong type.

@@ -1,4 +1,4 @@
-"""Fields of messages of any type that may be feet, by their names, rate and content.
+"""Fields of messages of any type that may be feet, by their names and content.
 
 They are offered, with the reasons, and never taken unasked. Names choose some sets of fields; the
 columns of these are read of the whole log, like those of any feet, and judged together.
@@ -12,7 +12,6 @@ import numpy as np
 
 from dogbot_logtool.core.arrays import Flags, Floats, norms, percentiles_of
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.quality import mean_rate_hz
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.containers.log import Channel, Log
 from dogbot_logtool.reader.decode.definition import FieldType, FixedArray, Primitive
@@ -40,7 +39,6 @@ _OTHER_WORDS: Final = word_set(
 )
 """Words of fields that are no contact."""
 _LEGS: Final = frozenset({Part.FOOT, Part.LEG})
-_FAST_HZ: Final = 20.0
 _FEWEST: Final = 8
 """Samples of a foot from which its values mean something; some are sent on change only."""
 _LARGEST_STATE: Final = 3.0
@@ -56,8 +54,6 @@ _ALIKE: Final = 0.5
 alike, or, of all feet, never near zero, like pressures of air."""
 _ON: Final = 0.2
 """Share of the way between them from which it is on; with all feet down each bears little."""
-_FEWEST_REASONS: Final = 3
-"""Reasons from which fields are offered as feet."""
 _MOST_SETS: Final = 40
 """Sets of fields whose content is looked at."""
 _FEWEST_FEET, _MOST_FEET = 2, 8
@@ -70,8 +66,7 @@ def find_candidates(log: Log) -> list[FootSet]:
     named = sorted(_named_sets(log), key=lambda one: -len(one.reasons))[:_MOST_SETS]
     columns = _read_fields(log, named)
     judged = (_with_content(one, _present(one, columns)) for one in named)
-    likely = [one for one in judged if one and len(one.reasons) >= _FEWEST_REASONS]
-    return sorted(likely, key=lambda one: -len(one.reasons))
+    return sorted(filter(None, judged), key=lambda one: -len(one.reasons))
 
 
 # By names
@@ -212,7 +207,7 @@ def _with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
         share = small / np.where(large == 0.0, 1.0, large)
         if (share < -_ALIKE).any() or (share > _ALIKE).all():
             return None
-    if not (in_time := tuple(_in_time(down))):
+    if not (in_time := _in_time(down)):
         return None
     kind = "contact" if are_states else "force"
     told = []
@@ -220,10 +215,7 @@ def _with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
         # It is said only where the type of the field would say something else.
         said = "" if kind == (field.kind or "force") else kind
         told.append(replace(foot, field=replace(field, kind=said)))
-    slowest = min((each.log_time for each in feet), key=len)
-    rate_hz = mean_rate_hz(len(slowest), int(slowest[-1] - slowest[0])) or 0.0
-    rate = (f"{rate_hz:.0f} messages a second",) if rate_hz >= _FAST_HZ else ()
-    return named._replace(feet=tuple(told), reasons=(*named.reasons, *rate, *in_time))
+    return named._replace(feet=tuple(told), reasons=(*named.reasons, in_time))
 
 
 def _side_by_side(feet: Sequence[Samples]) -> Floats:
@@ -237,13 +229,13 @@ def _side_by_side(feet: Sequence[Samples]) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def _in_time(down: Flags) -> Iterator[str]:
-    """Yield what speaks for feet in when they are on, (n, feet): each on and off, and in turns."""
+def _in_time(down: Flags) -> str:
+    """Say how feet are on, (n, feet): each on and off, and in turns; empty: not like feet."""
     feet = down.shape[1]
-    changes = np.count_nonzero(np.diff(down, axis=0), axis=0)
-    if (changes > 1).all():
-        yield f"all {feet} go on and off, {changes.min()} times and more"
+    changes = np.count_nonzero(np.diff(down, axis=0), axis=0).min()
     alike = min((down[:, i] == down[:, k]).mean() for i in range(feet) for k in range(i))
     some, every = float(down.any(axis=1).mean()), float(down.all(axis=1).mean())
-    if alike <= _SAME and some >= _FEWEST_DOWN and every < some:
-        yield f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"
+    if changes <= 1 or alike > _SAME or some < _FEWEST_DOWN or every == some:
+        return ""
+    turns = f"at least one is on {some:.0%} of the time, all at once {every:.0%}"
+    return f"all {feet} go on and off, {changes} times and more, in turns: {turns}"

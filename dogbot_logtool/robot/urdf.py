@@ -11,9 +11,9 @@ from dogbot_logtool.core.arrays import Floats
 from dogbot_logtool.core.frames.kinematics import Joint, Kind, Leg, Mass, Triple, leg_motion
 from dogbot_logtool.core.frames.transforms import loops
 from dogbot_logtool.core.legs.joints import JointLimits
-from dogbot_logtool.core.rotations import along_heading, from_roll_pitch_yaw, multiply, rotate
+from dogbot_logtool.core.rotations import along_heading, from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import FORWARD_ANGLES, LegPosition, leg_names
-from dogbot_logtool.robot.names import leg_of, leg_position
+from dogbot_logtool.robot.names import leg_of, leg_order, leg_position
 from dogbot_logtool.robot.words import Part, parts_of
 
 _KINDS: Final = frozenset({"revolute", "continuous", "prismatic", "fixed"})
@@ -269,16 +269,14 @@ def legs_of_robot(
         raise ValueError(f"the robot description {text}")
     places = np.array([end.place for end in feet])
     axis = forward_axis or _forward(places, [_position_in(end.leg) for end in feet])
-    along = along_heading(places, np.array(FORWARD_ANGLES[axis]))
-    names = leg_names(np.column_stack([*along, places[:, 2]]))
+    names = leg_names(along_heading(places, FORWARD_ANGLES[axis]))
     legs = [
         end.leg._replace(
             name=name, position=leg_position(name), masses=_carried(robot, below, end.leg)
         )
         for name, end in zip(names, feet, strict=True)
     ]
-    order = ("front", "middle", "back", "")
-    legs.sort(key=lambda leg: (order.index((leg.position or ("",))[0]), leg.name))
+    legs.sort(key=lambda leg: leg_order(leg.name, leg.position))
     return tuple(legs), axis
 
 
@@ -384,7 +382,7 @@ def _forward(places: Floats, named: Sequence[LegPosition]) -> str:
     about = places - places.mean(axis=0)
 
     def fit(axis: str) -> float:
-        forth, aside = along_heading(about, np.array(FORWARD_ANGLES[axis]))
+        forth, aside, _ = along_heading(about, FORWARD_ANGLES[axis]).T
         return float(ahead @ np.sign(forth) + left @ np.sign(aside))
 
     return max(FORWARD_ANGLES, key=lambda axis: (round(fit(axis), 6), axis == "+x"))
@@ -393,18 +391,14 @@ def _forward(places: Floats, named: Sequence[LegPosition]) -> str:
 def _carried(robot: RobotOfUrdf, below: Mapping[str, list[Joint]], leg: Leg) -> tuple[Mass, ...]:
     """Return the mass that each joint of a leg carries; what hangs on its link does not move."""
     own, masses = {joint.child for joint in leg.joints}, []
+    hanging = {link: [each for each in on if each.child not in own] for link, on in below.items()}
     first = next(row for row, joint in enumerate(leg.joints) if joint.kind != "fixed")
     for row, joint in enumerate(leg.joints[first:], first):
-        hanging = [(joint.child, np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))]
         total, moment = 0.0, np.zeros(3)
-        for link, place, turn in hanging:  # which grows
-            mass = robot.links.get(link, Link())
-            total += mass.mass_kg
-            moment += mass.mass_kg * (place + rotate(turn, np.array([mass.centre])))[0]
-            for each in below.get(link, ()):
-                if each.child not in own:
-                    there = place + rotate(turn, np.array([each.translation]))
-                    hanging.append((each.child, there, multiply(turn, np.array([each.rotation]))))
+        for path in _paths(hanging, joint.child):
+            link = robot.links.get(path[-1].child if path else joint.child, Link())
+            centre = leg_motion(Leg(path, point=link.centre), np.zeros((1, len(path)))).foot[0]
+            total, moment = total + link.mass_kg, moment + link.mass_kg * centre
         if total:
             x, y, z = (moment / total).tolist()
             masses.append(Mass(row, total, (x, y, z)))

@@ -41,7 +41,7 @@ convert no_such.bag | no_such.bag: no such file
 convert . | is a directory, not a log file, and holds no logs
 stats 'runs/*.bag' | runs/*.bag: no file has such a name
 stats '' | an empty name names no log
-stats TROT --start 5 --end 2 | --end 2 is not after --start 5; it lasts from 0 to
+stats TROT --start 5 --end 2 | --start 5 --end 2: the log has no messages there; it lasts from 0 to
 stats TROT --set contact_on=20 | did you mean contact_on_n
 stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE
 stats TROT --set command_topic=/none | command_topic: the log has no topic /none
@@ -57,8 +57,12 @@ export TROT -o x.xlsx | x.xlsx: must end in .csv, .parquet, .arrow, .feather
 export TROT --overwrite | --overwrite goes with -o FILE
 export TROT --prune | --prune goes with --dataset
 export TROT --dataset walks --table base | --table goes without --dataset
+export TROT --dataset walks --label firmware | must be NAME=VALUE
+export TROT --dataset walks --label a=1 --label a=2 | a is there twice
 compare TROT | Missing argument 'ACTUAL'
 compare TROT WALK --mass 20 | --mass says how logs are measured: it goes with --gait
+compare TROT WALK --junit TROUBLED | exists already; --overwrite replaces it
+compare TROT WALK --junit WALK --overwrite | is the input itself
 compare TROT WALK --gait --atol 1 | --atol has no meaning with --gait
 layout --viewer rerun | 'rerun' is not one of 'foxglove', 'rviz'
 layout -o x/ | is a directory's name

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from dogbot_logtool.reader.containers.log import Batch, Channel, Messages, Schema
 from dogbot_logtool.reader.decode.paths import MOST_ELEMENTS
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.bases import Base
+from dogbot_logtool.reader.messages.bases import read_base
 from dogbot_logtool.reader.messages.contacts import read_contacts
 from dogbot_logtool.reader.messages.feet import FootChannels, feet_in
 from dogbot_logtool.reader.messages.messages import malformed_in
-from dogbot_logtool.reader.messages.source import Source, source_of
+from dogbot_logtool.reader.messages.source import Source, Topic, source_of
 from tests.oracles import base_walks, state_walks, walks
 
 KINDS_OF_FEET = (*walks.KINDS, *state_walks.KINDS, "sensor_msgs/msg/JointState")
@@ -81,7 +81,8 @@ def read(of: Channel, messages: list[bytes]) -> tuple[list[int], dict[int, int]]
     if of.type_name in POSES:
         how = source(of)
         assert how
-        poses = Base(how, (of,), base_walks.ELEMENTS.get(of.type_name, "")).read(batch)
+        element = base_walks.ELEMENTS.get(of.type_name, "")
+        poses = read_base(Topic(how, (of,), element), batch)
         times = [each.poses.log_time for each in poses]
     else:
         labels = LABELS.get(package, state_walks.LABELS)

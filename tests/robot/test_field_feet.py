@@ -37,42 +37,36 @@ def figures(*words: object, folder: Path = ROOT) -> dict[str, Any]:
     return found
 
 
-def check_steps(found: dict[str, Any], tolerance_s: float = 0.011) -> None:
-    """Compare with what the walk was made of."""
-    assert len(found["feet"]) == 6
-    for foot in found["feet"].values():
-        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=tolerance_s)
-        assert foot["stride_period_s"]["median"] == pytest.approx(PERIOD_S, abs=tolerance_s)
-        assert foot["contact_fraction"] == pytest.approx(DUTY, abs=0.01)
-    touchdowns = [foot["touchdown_s"][1] % PERIOD_S for foot in found["feet"].values()]
-    first, second = touchdowns[0], touchdowns[1]
-    assert touchdowns == pytest.approx([first, second] * 3, abs=tolerance_s)
-    assert abs(first - second) == pytest.approx(PERIOD_S / 2.0, abs=tolerance_s)
-
-
-@pytest.mark.parametrize(
-    ("kind", "steps"),
-    [("odd_msgs/msg/Reading", 1), ("odd_msgs/msg/Touch", 1), ("odd_msgs/msg/Counts", 2)],
-)
-def test_six_feet_on_unusual_topics_take_two_commands(
-    kind: str, steps: int, tmp_path: Path
-) -> None:
-    """Counts may be contacts or forces, which only a robot's file can say."""
-    six_feet(tmp_path / "crawl.mcap", kind)
-
-    shown = forked_cli.run("info", "crawl.mcap", folder=tmp_path).stdout
+def as_offered(log: Path) -> tuple[str, list[str], dict[str, Any]]:
+    """Type the command that `info` offers, and then that of the robot's file, if it writes one."""
+    shown = forked_cli.run("info", log, folder=log.parent, environment={"COLUMNS": "400"}).stdout
     words = command(shown)
-    if steps > 1:
-        written = forked_cli.run(*words, folder=tmp_path)
-        assert written.returncode == 0, written.stderr
-        words = command(written.stderr)
-    assert words[0] == "stats"
-    if kind.endswith("Reading"):
-        assert "put front_left, back_right ... for" in " ".join(shown.split())
-    found = figures(*words[1:], folder=tmp_path)
+    if words[0] == "robots":
+        words = command(forked_cli.run(*words, folder=log.parent).stderr)
+    return shown, words, figures(*words[1:], folder=log.parent)
 
+
+def check_steps(found: dict[str, Any], feet: int = 6) -> None:
+    """Compare with what the walk was made of."""
+    assert len(found["feet"]) == feet
+    for foot in found["feet"].values():
+        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
+        assert foot["stride_period_s"]["median"] == pytest.approx(PERIOD_S, abs=0.011)
+        assert foot["contact_fraction"] == pytest.approx(DUTY, abs=0.01)
+
+
+@pytest.mark.parametrize("kind", ["Reading", "Touch", "Counts"])
+def test_six_feet_on_unusual_topics(kind: str, tmp_path: Path) -> None:
+    """Counts may be contacts or forces, which only a robot's file can say."""
+    log = six_feet(tmp_path / "crawl.mcap", f"odd_msgs/msg/{kind}")
+    shown, words, found = as_offered(log)
+    assert ("--robot" in words) == (kind == "Counts")
+    assert "put front_left, back_right ... for" in shown
     check_steps(found)
-    if not kind.endswith("Touch"):
+    touchdowns = [foot["touchdown_s"][1] % PERIOD_S for foot in found["feet"].values()]
+    assert touchdowns == pytest.approx(touchdowns[:2] * 3, abs=0.011)
+    assert abs(touchdowns[0] - touchdowns[1]) == pytest.approx(PERIOD_S / 2.0, abs=0.011)
+    if kind != "Touch":
         loads = [foot["mean_force_n"]["median"] for foot in found["feet"].values()]
         down = np.mean([sum(is_down(t, f) for f in range(6)) for t in np.arange(0.0, 1.0, 0.01)])
         assert sum(loads) == pytest.approx(WEIGHT_N * 6 / down, rel=0.1)
@@ -198,19 +192,12 @@ def walk_in(kind: str, path: Path, unloaded: float = 0.0) -> Path:
 
 
 @pytest.mark.parametrize("kind", INSIDE)
-def test_feet_inside_one_message_in_two_commands(tmp_path: Path, kind: str) -> None:
-    path, paths = walk_in(kind, tmp_path / "walk.mcap"), INSIDE[kind][1]
-    told = forked_cli.run("info", path, environment={"COLUMNS": "400"})
-    assert "contact_number" not in told.stdout
-    words = command(told.stdout)
-    if words[0] == "robots":
-        words = command(forked_cli.run(*words, folder=tmp_path).stderr)
-    else:
-        assert [word.partition(":")[2] for word in words if ":" in word] == paths
-    found = figures(*words[1:], folder=tmp_path)
-    assert len(found["feet"]) == 4
-    for foot in found["feet"].values():
-        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
+def test_feet_inside_one_message(tmp_path: Path, kind: str) -> None:
+    shown, words, found = as_offered(walk_in(kind, tmp_path / "walk.mcap"))
+    assert "contact_number" not in shown
+    paths = [word.partition(":")[2] for word in words if ":" in word]
+    assert "--robot" in words or paths == INSIDE[kind][1]
+    check_steps(found, 4)
     assert found["gait"]["name"] == ("trot" if kind.endswith("Pressures") else None)
 
 
@@ -232,15 +219,12 @@ def test_a_robot_of_two_files_that_are_one_recording(tmp_path: Path) -> None:
 
 def test_cells_of_a_foot_are_its_sensors(tmp_path: Path) -> None:
     """A file names each of them, and their forces add up."""
-    log = four_cells_a_foot(tmp_path / "walk.mcap")
-    words = command(forked_cli.run("info", log, folder=tmp_path).stdout)
-    written = forked_cli.run(*words, folder=tmp_path)
-    found = figures(*command(written.stderr)[1:], folder=tmp_path)
+    _, _, found = as_offered(four_cells_a_foot(tmp_path / "walk.mcap"))
+    check_steps(found, 2)
     assert list(found["feet"]) == ["left", "right"]
     told = [each["text"] for each in found["findings"] if "several sensors" in each["text"]]
     for side in ("left", "right"):
         cells = " + ".join(f"/fsr:{cell}" for cell in sorted(CELLS) if cell[0] == side[0])
         assert f"{side} = {cells}" in told[0]
         foot = found["feet"][side]
-        assert foot["stance_s"]["median"] == pytest.approx(DUTY * PERIOD_S, abs=0.011)
         assert foot["peak_force_n"]["median"] == pytest.approx(WEIGHT_N / 3, rel=0.01)

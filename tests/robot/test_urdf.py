@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from dogbot_logtool.core.frames.kinematics import Joint as JointOf
 from dogbot_logtool.robot.urdf import legs_of_robot, read_robot
 
 Joint = tuple[str, str, str, str, str]
@@ -168,20 +169,16 @@ URDF = """<robot name="r">
 
 
 def test_joints_that_are_understood() -> None:
-    robot = read_robot(URDF)
-    hip, wheel, finger, sole = robot.joints
-    assert (hip.name, hip.parent, hip.child, hip.kind) == ("hip", "base", "leg", "revolute")
-    assert hip.translation == (0.1, 0.2, 0.3)
+    hip, wheel, finger, sole = read_robot(URDF).joints
     assert hip.rotation == pytest.approx((0.0, 0.0, 0.5**0.5, 0.5**0.5))
-    assert hip.axis == (0.0, 1.0, 0.0)
-    assert (wheel.kind, wheel.axis) == ("continuous", (1.0, 0.0, 0.0))
-    assert (finger.kind, finger.measured, finger.multiplier, finger.offset) == (
-        "prismatic",
-        "hip",
-        -1.0,
-        0.5,
-    )
-    assert (sole.kind, sole.rotation) == ("fixed", (0.0, 0.0, 0.0, 1.0))
+    upright = hip._replace(rotation=wheel.rotation)
+    place, axis = (0.1, 0.2, 0.3), (0.0, 1.0, 0.0)
+    assert upright == JointOf("hip", "base", "leg", "revolute", place, axis=axis)
+    assert wheel == JointOf("wheel", "leg", "tyre", "continuous")
+    free = finger._replace(source="", multiplier=1.0, offset=0.0)
+    assert free == JointOf("finger", "leg", "tip", "prismatic")
+    assert finger == free._replace(source="hip", multiplier=-1.0, offset=0.5)
+    assert sole == JointOf("sole", "leg", "foot", "fixed")
 
 
 LEG = '<parent link="leg"/><child link="x"/>'

@@ -8,10 +8,7 @@ import numpy as np
 import pytest
 
 from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
-from dogbot_logtool.report.documents import stats_json
 from dogbot_logtool.results import Conversion
 from tests.oracles import walks
 from tests.oracles.annotated_file import arrows
@@ -111,18 +108,6 @@ def test_arrows_of_force_sensors_stand_at_their_frames_along_the_force(
         count += 1
     assert count == sum(int(touch[: last + 1].sum()) for touch in walks.TOUCHES.values())
     assert counted(done, "forces turned") == counted(done, "placed at the origins") == count
-
-
-def test_stats_take_forces_but_no_places_from_frames(tmp_path: Path) -> None:
-    """Thresholds are given: of a sensor that goes round, no unloaded level can be learnt."""
-    made = Swinging(tmp_path, WRENCHES)
-    given = {"contact_on_n": "20.0", "contact_off_n": "5.0"}
-    got = stats_json(measure(made.written(), MeasureOptions(robot=str(made.robot), set=given)))
-    for leg in walks.LEGS:
-        peak = got["feet"][leg]["peak_vertical_force_n"]["mean"]
-        assert peak == pytest.approx(walks.FORCES[leg][:, 2].max())
-        assert got["feet"][leg]["slip_m"] is None
-    assert got["stability"] is None or got["stability"].get("static_margin_m") is None
 
 
 def test_a_robot_s_file_names_frame_and_point_of_feet_that_only_count(tmp_path: Path) -> None:

@@ -34,29 +34,9 @@ LONGEST_STEP_S: Final = 0.1
 """s between two messages; a longer step is a silence, across which nothing is interpolated."""
 
 
-def silent_before(time: Ints) -> Flags:
-    """(n,) whether a silence lies between a row and the one before; time: (n,) ns."""
-    silent: Flags = np.diff(time, prepend=time[:1]) > LONGEST_STEP_S * 1e9
-    return silent
-
-
-def unbroken(time: Ints, breaks: Flags, start: Ints, end: Ints) -> Flags:
-    """Tell which spans rows cover to their ends, without a break between two of the rows.
-
-    Args:
-        time: (n,) ns, of the rows, increasing.
-        breaks: (n,) whether one lies between a row and the one before.
-        start: (m,) ns.
-        end: (m,) ns.
-    """
-    if not len(time):
-        return np.zeros(len(start), np.bool_)
-    so_far = np.cumsum(breaks)
-    first = np.searchsorted(time, start, side="right") - 1
-    last = np.searchsorted(time, end, side="left")
-    inside = (first >= 0) & (last < len(time))
-    whole: Flags = inside & (so_far[np.minimum(last, len(time) - 1)] == so_far[first])
-    return whole
+def without_silences(time: Ints) -> Ints:
+    """(k, 2) ns, the time between messages that no silence lies between; time: (n,) ns."""
+    return timespans.spans_where(time, np.diff(time) <= LONGEST_STEP_S * 1e9)
 
 
 class FootPath(NamedTuple):
@@ -66,22 +46,20 @@ class FootPath(NamedTuple):
     """(n,) ns, strictly increasing."""
     position: Floats | Float32s
     """(n, 3) m."""
-    broken: Flags
-    """(n,) whether a silence lies between a row and the one before."""
+    known: Ints
+    """(k, 2) ns, the time without silences."""
 
     def at(self, time: Ints) -> Floats:
         """Interpolate linearly; time's shape and 3, m; NaN in silences and outside."""
         if len(self.time) == 0:
             return np.full((*time.shape, 3), np.nan)
         position = interpolated(time, self.time, self.position)
-        after = np.minimum(np.searchsorted(self.time, time), len(self.time) - 1)
-        outside = (time < self.time[0]) | (time > self.time[-1]) | self.broken[after]
-        position[outside] = np.nan
+        position[~self.unbroken(time, time)] = np.nan
         return position
 
     def unbroken(self, start: Ints, end: Ints) -> Flags:
-        """(m,) whether the path is known all the way between two times each."""
-        return unbroken(self.time, self.broken, start, end)
+        """Tell whether the path is known all the way between two times each, of any shape."""
+        return timespans.hold_window(self.known, start, 0, end - start)
 
     def in_world(self, base: BaseHistory) -> "FootPath":
         """Place the path in the world by the base's poses; times without one are left out."""
@@ -112,7 +90,7 @@ def contact_path(foot: FootHistory) -> FootPath:
 def known_path(time: Ints, position: Floats | Float32s) -> FootPath:
     """Return the path of the times whose positions are known."""
     known = all_finite(position)
-    return FootPath(time[known], position[known], silent_before(time[known]))
+    return FootPath(time[known], position[known], without_silences(time[known]))
 
 
 MIDDLE: Final = (0.2, 0.8)
@@ -252,7 +230,7 @@ def seen_from_base(foot: FootHistory, base: BaseHistory) -> tuple[Ints, Floats]:
     """
     time, point = foot.track.contact_points
     away = point - base.position_at(time)
-    place = np.stack(along_heading(away, base.yaw_at(time)), axis=1)
+    place = along_heading(away, base.yaw_at(time))[:, :2]
     known = all_finite(away) & all_finite(place)
     return time[known], place[known]
 

@@ -16,12 +16,13 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
-    Integral,
     Ints,
+    integral,
+    interpolated,
     median_of,
     median_of_known,
+    middles,
     norms,
-    trapezoids,
 )
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.rotations import (
@@ -31,6 +32,7 @@ from dogbot_logtool.core.rotations import (
     normalised,
     rotate,
 )
+from dogbot_logtool.core.settings import GRAVITY_MPS2
 
 LONGEST_FLIGHT_S: Final = 0.5
 """s without a standing foot over which the velocity is interpolated; no gait flies for longer."""
@@ -89,13 +91,10 @@ def leg_odometry(
     inner[:-1] &= settled[1:]
     velocity = -np.diff(place, axis=0) / seconds
     if moved is not None:
-        velocity = -(moved[1:] + moved[:-1]) / 2.0
+        velocity = -middles(moved)
     velocity[~inner | (seconds[:, :, 0] > LONGEST_INTERVAL_S)] = np.nan
-    middle = (place[1:] + place[:-1]) / 2.0
-    if turn_rate is None:
-        turns = _fitted_turn(velocity, middle)
-    else:
-        turns = (turn_rate[1:] + turn_rate[:-1]) / 2.0
+    middle = middles(place)
+    turns = _fitted_turn(velocity, middle) if turn_rate is None else middles(turn_rate)
     # One foot tells no turn: it turns as before and after.
     turning = bridged(turns, _middle_s(time))
     velocity -= np.cross(turning[:, None, :], middle)
@@ -144,9 +143,7 @@ def _noise(velocity: Floats, common: Floats, feet: Ints) -> float:
     return float(median_of(apart)) / _NORMAL_MEDIAN
 
 
-def dead_reckoned(
-    legs: LegOdometry, roll_pitch: Floats | None = None, acceleration: Floats | None = None
-) -> BaseHistory:
+def dead_reckoned(legs: LegOdometry, inertial: "Inertial | None" = None) -> BaseHistory:
     """Add up the legs' velocities to poses of the base, from the origin on, with heading 0.
 
     Velocity and turn are interpolated while no foot stands, for up to `LONGEST_FLIGHT_S`; a longer
@@ -154,28 +151,23 @@ def dead_reckoned(
 
     Args:
         legs: velocities.
-        roll_pitch: (n, 2) rad, of an inertial unit; None: velocities are along level axes.
-        acceleration: (n, 3) m/s^2, of the base along its axes, without gravity's: how its velocity
-            changes while no foot stands; None: evenly.
+        inertial: (n,) how the base leans, turns, and changes its velocity while no foot stands;
+            None: it is level, turns by the legs, and changes it evenly.
 
     Returns:
         poses at the times of the samples.
     """
     time, seconds = legs.time, np.diff(legs.time) / 1e9
-    middle = _middle_s(time)
-    gained = np.zeros_like(legs.velocity)
-    if acceleration is not None:
-        step = (acceleration[1:] + acceleration[:-1]) / 2.0 * seconds[:, None]
+    middle, gained = _middle_s(time), np.zeros_like(legs.velocity)
+    position, angles = np.zeros((2, len(time), 3))
+    turns = bridged(legs.turn_rate, middle)[:, 2]
+    if inertial is not None:
+        step = middles(inertial.felt - GRAVITY_MPS2 * inertial.up) * seconds[:, None]
         gained = np.cumsum(step, axis=0) - step / 2.0
+        angles[:, :2], turns = inertial.roll_pitch, middles(inertial.yaw_rate)
     velocity = gained + bridged(legs.velocity - gained, middle)
-    turns = bridged(legs.turn_rate, middle)
-    angles = np.zeros((len(time), 3))
-    angles[1:, 2] = np.cumsum(turns[:, 2] * seconds)
-    if roll_pitch is not None:
-        angles[:, :2] = roll_pitch
-    halfway = (angles[1:] + angles[:-1]) / 2.0
-    step = rotate(from_roll_pitch_yaw(halfway), velocity) * seconds[:, None]
-    position = np.zeros((len(time), 3))
+    angles[1:, 2] = np.cumsum(turns * seconds)
+    step = rotate(from_roll_pitch_yaw(middles(angles)), velocity) * seconds[:, None]
     position[1:] = np.cumsum(step, axis=0)
     flights = timespans.spans_where(time, ~np.isfinite(legs.velocity[:, 0]))
     gaps = flights[flights[:, 1] - flights[:, 0] > LONGEST_FLIGHT_S * 1e9]
@@ -192,16 +184,20 @@ def bridged(values: Floats, seconds: Floats) -> Floats:
     return filled
 
 
-SHORT_S: Final = 0.01
-"""s before and after a time, over which readings are averaged."""
-LONG_S: Final = 2.0
+SHORT_NS: Final = 10_000_000
+"""ns before and after a time, over which readings are averaged."""
+LONG_NS: Final = 2_000_000_000
 """The same, over which a robot's own accelerations average to nothing beside gravity."""
-RATE_HZ: Final = 50.0
+_TICK_NS: Final = 20_000_000
 """At which turns are added up."""
 LONGEST_PER_READING_S: Final = 1.0
 """s from reading to reading on average, beyond which they tell no turns."""
 GRAVITY_IS: Final = (7.0, 13.0)
 """m/s^2: an accelerometer that usually reads less or more tells nothing of gravity."""
+
+
+BY_FEET: Final = "the feet alone"
+BY_GYROSCOPE: Final = "a gyroscope"
 
 
 class Inertial(NamedTuple):
@@ -213,8 +209,10 @@ class Inertial(NamedTuple):
     """(n, 3) m/s^2, accelerations without gravity's: at rest, gravity upwards."""
     up: Floats
     """(n, 3) unit vectors against gravity."""
-    tells_up: bool
+    tells_up: bool = False
     """Whether the accelerometer tells of gravity; else the base is taken as level."""
+    turns_from: str = BY_FEET
+    """What tells the turns."""
 
     @property
     def roll_pitch(self) -> Floats:
@@ -228,39 +226,37 @@ class Inertial(NamedTuple):
         return np.asarray((self.turn * self.up).sum(axis=1) / (self.up[:, 1:] ** 2).sum(axis=1))
 
 
-def level(times: int, gravity_mps2: float) -> Inertial:
+def level(times: int) -> Inertial:
     """Return what a base that stays level and does not turn would read at some times."""
     up = np.tile([0.0, 0.0, 1.0], (times, 1))
-    return Inertial(np.zeros((times, 3)), gravity_mps2 * up, up, tells_up=False)
+    return Inertial(np.zeros((times, 3)), GRAVITY_MPS2 * up, up)
 
 
-def inertial_at(
-    at: Floats, seconds: Floats, acceleration: Floats, turn: Floats, gravity_mps2: float
-) -> Inertial:
+def inertial_at(at: Ints, time: Ints, acceleration: Floats, turn: Floats) -> Inertial:
     """Average readings around times, and find where up is.
 
     Turns are added up, which tells how the base leans from moment to moment; the acceleration,
     turned along, averages over seconds to gravity.
 
     Args:
-        at: (n,) s, increasing.
-        seconds: (m,) s, of the readings, increasing; at least two.
+        at: (n,) ns, increasing.
+        time: (m,) ns, of the readings, increasing; at least two.
         acceleration: (m, 3) m/s^2, along the base's axes.
         turn: (m, 3) rad/s.
-        gravity_mps2: m/s^2.
     """
-    if seconds[-1] - seconds[0] > LONGEST_PER_READING_S * len(seconds):
-        return level(len(at), gravity_mps2)
-    ticks = np.arange(seconds[0], seconds[-1] + 1.0 / RATE_HZ, 1.0 / RATE_HZ)
-    turned = _added_up(means(seconds, turn, ticks, 0.5 / RATE_HZ) / RATE_HZ)
-    fixed = rotate(turned, means(seconds, acceleration, ticks, 0.5 / RATE_HZ))
-    gravity = rotate(conjugate(turned), means(ticks, fixed, ticks, LONG_S))
+    if time[-1] - time[0] > LONGEST_PER_READING_S * 1e9 * len(time):
+        return level(len(at))
+    ticks = np.arange(time[0], time[-1] + _TICK_NS, _TICK_NS)
+    turned = _added_up(means(time, turn, ticks, _TICK_NS // 2) * (_TICK_NS / 1e9))
+    fixed = rotate(turned, means(time, acceleration, ticks, _TICK_NS // 2))
+    gravity = rotate(conjugate(turned), means(ticks, fixed, ticks, LONG_NS))
     reads = float(median_of(norms(gravity)))
-    rates, felt = (means(seconds, each, at, SHORT_S) for each in (turn, acceleration))
+    rates, felt = (means(time, each, at, SHORT_NS) for each in (turn, acceleration))
     if not GRAVITY_IS[0] <= reads <= GRAVITY_IS[1]:
-        return level(len(at), gravity_mps2)._replace(turn=rates)
-    up = np.stack([np.interp(at, ticks, column) for column in gravity.T], axis=1)
-    return Inertial(rates, felt, up / norms(up)[:, None], tells_up=True)
+        return level(len(at))._replace(turn=rates, turns_from=BY_GYROSCOPE)
+    up = interpolated(at, ticks, gravity)
+    up /= norms(up)[:, None]
+    return Inertial(rates, felt, up, tells_up=True, turns_from=BY_GYROSCOPE)
 
 
 def turns_and_up(
@@ -278,26 +274,22 @@ def turns_and_up(
         (k,) rad and (k, 3) unit vectors; NaN outside the readings, and throughout where the
         accelerometer tells of no gravity.
     """
-    columns = np.concatenate([acceleration, turn_rate], axis=1)
-    total = Integral(time, trapezoids(np.diff(time) / 1e9, columns))
-    added = total.added(*windows.T)
-    added[
-        (windows[:, 0] < time[:1].max(initial=0)) | (windows[:, 1] > time[-1:].max(initial=0))
-    ] = np.nan
+    columns, (start, end) = np.concatenate([acceleration, turn_rate], axis=1), windows.T
+    added = integral(time, columns).added(start, end)
+    added[(start < time[:1].max(initial=0)) | (end > time[-1:].max(initial=0))] = np.nan
     size = norms(added[:, :3])
-    usual = median_of_known(size / ((windows[:, 1] - windows[:, 0]) / 1e9), axis=0)
+    usual = median_of_known(size / ((end - start) / 1e9), axis=0)
     if not GRAVITY_IS[0] <= float(usual) <= GRAVITY_IS[1]:
         size[:] = np.nan
     up = added[:, :3] / size[:, None]
     return np.asarray((added[:, 3:] * up).sum(axis=1)), up
 
 
-def means(seconds: Floats, values: Floats, at: Floats, half_s: float) -> Floats:
+def means(time: Ints, values: Floats, at: Ints, half_ns: int) -> Floats:
     """(n, 3) means of values over a window about each time; at the ends over what there is."""
-    inside = np.clip(at, seconds[0], seconds[-1])
-    begin, end = np.maximum(inside - half_s, seconds[0]), np.minimum(inside + half_s, seconds[-1])
-    added = Integral(seconds, trapezoids(np.diff(seconds), values)).added(begin, end)
-    return np.asarray(added / (end - begin)[:, None])
+    inside = np.clip(at, time[0], time[-1])
+    begin, end = np.maximum(inside - half_ns, time[0]), np.minimum(inside + half_ns, time[-1])
+    return np.asarray(integral(time, values).added(begin, end) / ((end - begin) / 1e9)[:, None])
 
 
 def _added_up(steps: Floats) -> Floats:

@@ -15,6 +15,7 @@ from dogbot_logtool.core.arrays import (
     interpolated,
     median_of,
     median_of_known,
+    middles,
     picked,
 )
 from dogbot_logtool.core.clock import TimeSource, first_at_each_tick, rows_in_time
@@ -73,10 +74,8 @@ def usable_poses(odometry: Odometry) -> Flags:
     Returns:
         (n,) bool.
     """
-    finite = all_finite(odometry.position)
-    finite &= all_finite(odometry.orientation)
-    turned: Flags = (odometry.orientation != 0.0).any(axis=1)
-    return finite & turned
+    finite = all_finite(odometry.position) & all_finite(odometry.orientation)
+    return np.asarray(finite & (odometry.orientation != 0.0).any(axis=1))
 
 
 POSE_RATE_HZ: Final = 100.0
@@ -134,7 +133,7 @@ class BaseHistory:
             position=self.position[rows],
             angles=self.angles[rows],
             velocity=self.velocity[rows],
-            gaps=np.stack([time[:-1][silent], time[1:][silent]], axis=1),
+            gaps=timespans.steps_where(time, silent),
         )
 
     def without_poses(self) -> "BaseHistory":
@@ -148,9 +147,9 @@ class BaseHistory:
             forward_rad: from the body's x axis to the axis that points forward.
         """
         yaw = self.angles[:, 2]
-        heading = (yaw[1:] + yaw[:-1]) / 2.0 + forward_rad
+        heading = middles(yaw) + forward_rad
         displacement = along_heading(np.diff(self.position[:, :2], axis=0), heading)
-        return np.stack([*displacement, np.diff(yaw)])
+        return np.stack([*displacement.T, np.diff(yaw)])
 
     def position_at(self, time: Ints) -> Floats:
         """Interpolate the position linearly between poses.
@@ -219,6 +218,9 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
     time = clock.of(kept)
     angles = roll_pitch_yaw(normalised(kept.orientation))
     angles[:, 2] = np.unwrap(angles[:, 2])
+    broken = np.diff(time) > longest
+    if breaks is not None:
+        broken |= timespans.touches(breaks, time[:-1], time[1:])
     return BaseHistory(
         messages=len(usable),
         not_usable=int((~usable).sum()),
@@ -226,7 +228,7 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         time=time,
         position=kept.position,
         angles=angles,
-        gaps=_gaps(time, longest, timespans.no_spans() if breaks is None else breaks),
+        gaps=timespans.steps_where(time, broken),
         velocity=kept.linear_velocity,
         repeated=int((~fresh).sum()),
         interval_s=float(median_of(np.diff(time))) / 1e9 if len(time) > 1 else 0.0,
@@ -258,14 +260,6 @@ def _distinct(odometry: Odometry, rows: Ints) -> Flags:
         since = np.arange(len(rows)) - np.repeat(first, length)
         fresh = since % (2 * usual) == 0
     return fresh
-
-
-def _gaps(time: Ints, longest_ns: float, breaks: Ints) -> Ints:
-    """(g, 2) ns, steps that are longer than usual or touch a break."""
-    broken = np.diff(time) > longest_ns
-    broken |= timespans.touches(breaks, time[:-1], time[1:])
-    rows = np.flatnonzero(broken)
-    return np.stack([time[rows], time[rows + 1]], axis=1)
 
 
 SMALLEST_JUMP_M: Final = 0.05
@@ -314,9 +308,9 @@ def find_jumps(base: BaseHistory) -> PoseJumps:
     change = np.minimum(GRAVITY_MPS2 * seconds**2 / 2.0, COARSE_M)
     size = _jumps(base, np.diff(base.position, axis=0), SMALLEST_JUMP_M, change)
     turn = _jumps(base, np.diff(base.angles[:, 2:], axis=0), SMALLEST_TURN_RAD, 0.0 * change)[:, 0]
-    found = np.flatnonzero(size.any(axis=1) | (np.abs(turn) > SMALLEST_STEP_RAD))
-    spans = np.stack([base.time[found], base.time[found + 1]], axis=1)
-    return PoseJumps(found, spans, size[found], turn[found])
+    found = size.any(axis=1) | (np.abs(turn) > SMALLEST_STEP_RAD)
+    spans = timespans.steps_where(base.time, found)
+    return PoseJumps(np.flatnonzero(found), spans, size[found], turn[found])
 
 
 def _jumps(base: BaseHistory, step: Floats, smallest: float, change: Floats) -> Floats:
@@ -365,20 +359,13 @@ def without_jumps(base: BaseHistory, jumps: PoseJumps) -> BaseHistory:
     turns = np.where(_follows(base, jumps), jumps.turn_rad, 0.0)
     turned = np.concatenate([[0.0], np.cumsum(turns)])
     after = base.position[jumps.rows + 1]
-    moves = _turned(after - jumps.size_m, turned[:-1]) - _turned(after, turned[1:])
+    moves = along_heading(after - jumps.size_m, turned[:-1]) - along_heading(after, turned[1:])
     moved = np.concatenate([np.zeros((1, 3)), np.cumsum(moves, axis=0)])
     passed = np.searchsorted(jumps.rows, np.arange(len(base.time)) - 1, side="right")
     angles = base.angles.copy()
     angles[:, 2] -= np.concatenate([[0.0], np.cumsum(jumps.turn_rad)])[passed]
-    position = _turned(base.position, turned[passed]) + moved[passed]
+    position = along_heading(base.position, turned[passed]) + moved[passed]
     return replace(base, position=position, angles=angles)
-
-
-def _turned(position: Floats, turn_rad: Floats) -> Floats:
-    """(n, 3) m, turned back about the vertical."""
-    x, y, z = position.T
-    cos, sin = np.cos(turn_rad), np.sin(turn_rad)
-    return np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=1)
 
 
 def _follows(base: BaseHistory, jumps: PoseJumps) -> Flags:

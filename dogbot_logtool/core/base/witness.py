@@ -22,6 +22,7 @@ from dogbot_logtool.core.arrays import (
     interpolated,
     median_of,
     median_of_known,
+    middles,
     norms,
 )
 from dogbot_logtool.core.base.ground import RATE_HZ, FootPath, contact_path, footfalls
@@ -63,6 +64,8 @@ class Witness(NamedTuple):
     """Whether the heading turns as the feet do."""
     rests: bool = False
     """Whether no foot's place moves in the body: it stands, or these are no feet's places."""
+    leg_m: float = 0.0
+    """By `LEGS`, how far feet usually are from the base's origin."""
 
     def motion(self, windows: Ints, forward_rad: float) -> "Motion":
         """Return the motion along the robot's forward axis in some windows; see `motion_in`."""
@@ -193,9 +196,9 @@ def by_legs(
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
     rests = max(float(np.ptp(path.position, axis=0).max()) for path in paths) < RESTS_M
-    return Witness(
-        dead_reckoned(legs), LEGS, tells_heading=True, tells_turn=tells_turn, rests=rests
-    )
+    leg_m = float(median_of_known(norms(place.reshape(-1, 3)), axis=0))
+    poses = dead_reckoned(legs)
+    return Witness(poses, LEGS, True, tells_turn, rests, leg_m)  # noqa: FBT003
 
 
 SHORTEST_STRIDES: Final = 1.5
@@ -381,10 +384,10 @@ def by_twist(poses: BaseHistory) -> Witness | None:
     if len(poses.velocity) != len(poses.time) or not poses.velocity.any():
         return None
     velocity = np.where(all_finite(poses.velocity)[:, None], poses.velocity, 0.0)
-    step = (velocity[1:] + velocity[:-1]) / 2.0 * (np.diff(poses.time)[:, None] / 1e9)
+    step = middles(velocity) * (np.diff(poses.time)[:, None] / 1e9)
     step = step[:, 0] + 1j * step[:, 1]
     own = np.diff(poses.position[:, 0] + 1j * poses.position[:, 1])
-    turned = step * np.exp(1j * (poses.angles[1:, 2] + poses.angles[:-1, 2]) / 2.0)
+    turned = step * np.exp(1j * middles(poses.angles[:, 2]))
     nearer = min(step, turned, key=lambda each: float(np.abs(each - own).sum()))
     at = np.concatenate([[0.0], np.cumsum(nearer)])
     position = np.stack([at.real, at.imag, np.zeros(len(at))], axis=1)

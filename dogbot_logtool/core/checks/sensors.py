@@ -179,6 +179,8 @@ UNCERTAIN: Final = 0.1
 """Sampling interval over stride from which duty and phase are not known."""
 CHANGES: Final = 0.06
 """Share of the weight by which it changes when a load is put on or taken off."""
+LENGTHS_CHANGE: Final = 0.15
+"""The same, where only the size of forces is known: feet also push against each other."""
 OVER_NOISE: Final = 5.0
 """Times the scatter of the weight over strides that it must change by."""
 FEWEST_WEIGHTS: Final = 6
@@ -289,7 +291,8 @@ def payload(walk: Walk) -> Iterator[Finding]:
     parts = weight[:row], weight[row + 2 :]
     before, after = (float(each.mean()) for each in parts)
     scatter = float(np.sqrt(np.mean(np.concatenate([parts[0] - before, parts[1] - after]) ** 2)))
-    if abs(after - before) >= max(CHANGES * max(before, after), OVER_NOISE * scatter):
+    share = CHANGES if walk.vertical_known else LENGTHS_CHANGE
+    if abs(after - before) >= max(share * max(before, after), OVER_NOISE * scatter):
         since, load = walk.seconds(time[row + 1 : row + 2])[0], abs(after - before)
         verb = "taken off" if after < before else "put on"
         yield found(

@@ -301,8 +301,7 @@ def _dropouts(times: Sequence[Ints], usual: Mapping[int, Usual]) -> Ints:
     if len(flights) >= _PART_OF_STRIDES * median_of(strides):
         longest = max(_LONGER_FLIGHT * float(median_of(flights)), longest)
     every = np.sort(np.concatenate(times))
-    last = np.flatnonzero(np.diff(every) > round(longest))
-    return np.stack([every[last], every[last + 1]], axis=1)
+    return timespans.steps_where(every, np.diff(every) > round(longest))
 
 
 def _swinging(
@@ -338,14 +337,10 @@ def _swinging(
     swing &= ~timespans.touches(dropouts, time[:-1] + 1, time[1:] - 1)
     spacing = max(interval, _SPACING_NS)
     count = np.where(swing, 1 - (2 * interval - step) // spacing, 0)
-    number, silence, _ = rows_of_runs(np.zeros_like(count), count)
-    passed = np.minimum(interval + number * spacing, step[silence] - interval)
-    share: Floats = passed / np.maximum(step[silence], 1)
-    inserted = times[:, silence] + np.round(share * steps[:, silence]).astype(np.int64)
-    # Each is placed behind the sample that begins its silence.
-    row = np.concatenate([np.arange(len(samples.log_time)), silence - 1])
-    order = np.argsort(row, kind="stable")
-    log_time, stamp = np.concatenate([times[:, 1:-1], inserted], axis=1)[:, order]
-    picked_rows = samples.pick(np.maximum(row[order], 0))
-    whole = replace(picked_rows, log_time=log_time, stamp=stamp)
-    return without_contact(whole, order >= len(samples.log_time))
+    # Each row, but for the log's start, and those that are inserted behind it.
+    number, row, _ = (each[1:] for each in rows_of_runs(np.zeros_like(count), count + 1))
+    passed = np.minimum(interval + (number - 1) * spacing, step[row] - interval)
+    share: Floats = np.where(number > 0, passed / np.maximum(step[row], 1), 0.0)
+    log_time, stamp = times[:, row] + np.round(share * steps[:, row]).astype(np.int64)
+    whole = replace(samples.pick(np.maximum(row - 1, 0)), log_time=log_time, stamp=stamp)
+    return without_contact(whole, number > 0)

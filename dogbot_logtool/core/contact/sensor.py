@@ -42,6 +42,8 @@ WIDER: Final = 3.0
 PLAIN_OFFSET: Final = 0.15
 """Largest offset towards the load, as a share of the distance, of modes that are equally wide."""
 CONSTANT: Final = "the force never changes"
+VARIES: Final = 0.01
+"""Share of a load by which that of a robot varies that does not stand still in a simulator."""
 """Reason of a level that is not known since all samples are alike."""
 ALTERNATE: Final = "two loads alternate, which may be weight that is shifted in a stand"
 """Reason of a level that is not known since nothing tells a light load from none."""
@@ -58,7 +60,6 @@ _ROUNDS: Final = 5
 _ENTER, _LEAVE = 0.1, 0.35
 """Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
 first, and ends above the second."""
-_BINS: Final = 128
 SAME: Final = 1e-9
 """Share of a force by which it differs in its last digits only."""
 
@@ -84,6 +85,8 @@ _NORMAL_SD: Final = 1.4826
 
 LIGHT: Final = 0.35
 """Share of the usual load below which a sample may be one of swing."""
+MOSTLY_ZERO: Final = 0.75
+"""Share of such samples that are zero where all swings are."""
 PULL: Final = 0.02
 """Share of the usual load by which no ground can pull at a foot."""
 PULLS: Final = 0.1
@@ -254,7 +257,9 @@ def _rests_at_zero(force: Floats) -> bool:
     runs = map(flagged_runs, (light, zero))
     visits, at_zero = (each[np.diff(each)[:, 0] >= _FEWEST_ROWS] for each in runs)
     seen = distinct(np.searchsorted(visits[:, 0], at_zero[:, 0], side="right"))
-    return 0 < len(visits) <= 2 * len(seen)
+    # A foot that is lightly loaded in stances, too, has more light visits than swings.
+    mostly = np.diff(at_zero).sum() >= MOSTLY_ZERO * light.sum()
+    return 0 < len(visits) <= (4 if mostly else 2) * len(seen)
 
 
 def refuted(why: str) -> SensorLevel:
@@ -379,6 +384,14 @@ def _noisiest_sd(residual: Floats) -> float:
     return _NORMAL_SD * float(median_of(np.abs(residual), axis=0).max())
 
 
+def varies(force: Floats) -> bool:
+    """Tell whether loads, (n,) N, are those of a robot that moves, or of a sensor with noise."""
+    if not len(force):
+        return False
+    low, high = percentiles_of(force, [1.0, 99.0])
+    return bool(high - low > VARIES * abs(high))
+
+
 def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     """Find swing and stance in the forces along the load's axis, swing being the lower.
 
@@ -391,15 +404,16 @@ def two_modes(values: Floats, runs: Ints, *, raises: bool) -> Modes:
     none = np.empty((0, 2), np.int64)
     if high - low <= SAME * abs(peak):
         return Modes(none, none, none, raises, reason=CONSTANT)
-    enter = leave = _otsu(np.clip(values, low, high))
+    enter = leave = (low + high) / 2.0
     for _ in range(_ROUNDS):
-        below = _hysteresis(values, enter, leave)
+        below = latched(values <= enter, values > leave)
         swings, stances = _visits(below, runs), _visits(~below, runs)
         swing, width = _mode(values, swings)
         enter, leave = (swing + share * (peak - swing) for share in (_ENTER, _LEAVE))
     stance, _ = _mode(values, stances)
     # From the first to the last sample below `enter` that none above `leave` parts.
-    low_rows = _hysteresis(values, enter, leave) & _hysteresis(values[::-1], enter, leave)[::-1]
+    low_rows = latched(values <= enter, values > leave)
+    low_rows &= latched(values[::-1] <= enter, values[::-1] > leave)[::-1]
     return Modes(swings, stances, _visits(low_rows, runs), raises, swing, stance, width)
 
 
@@ -465,25 +479,6 @@ def strays(values: Floats, visits: Ints) -> tuple[Floats, Ints]:
     """(m, k) how far each sample, of (n, k), is from the median of its visit; (m,) its row."""
     rows, run, _ = rows_of_runs(*visits.T)
     return np.asarray(values[rows] - visit_medians(values, visits)[run]), rows
-
-
-def _otsu(values: Floats) -> float:
-    """Return the value that parts two classes best (Otsu 1979, IEEE Trans. SMC 9:62)."""
-    counts, edges = np.histogram(values, _BINS)
-    middles = (edges[:-1] + edges[1:]) / 2.0
-    below = np.cumsum(counts)[:-1]
-    above = len(values) - below
-    sum_below = np.cumsum(counts * middles)[:-1]
-    mean_below = sum_below / np.maximum(below, 1)
-    mean_above = ((counts * middles).sum() - sum_below) / np.maximum(above, 1)
-    between = below * above * (mean_above - mean_below) ** 2
-    best = np.flatnonzero(between >= between.max() * (1.0 - 1e-9))
-    return float(edges[1:][best].mean())
-
-
-def _hysteresis(values: Floats, enter: float, leave: float) -> Flags:
-    """(n,): below from `enter` down, until above `leave`."""
-    return latched(values <= enter, values > leave)
 
 
 def _visits(flags: Flags, runs: Ints) -> Ints:

@@ -95,21 +95,19 @@ def find_segments(
     fits, label = _labels(feet, walked)
     none = replace(no_gait(feet), strides=0)
     stand = replace(none, name=STAND, confidence=1.0, nearest_name=STAND, class_distance=0.0)
-    found = [Segment(begin, end, stand) for begin, end in standing.still.tolist()]
-    for others in (standing.moving, standing.lifted):
-        found += [Segment(begin, end, none) for begin, end in others.tolist()]
+    parts = [(span, stand) for span in standing.still]
+    parts += [(span, none) for span in (*standing.moving, *standing.lifted)]
     for _, rows in rows_by_group(stood):
         own = picked(walked, rows)
         for begin, end in _runs(fits[rows], label[rows], own.end - own.touchdown):
-            segment = Segment(int(own.touchdown[begin]), int(own.end[end - 1]), none)
-            found.append(segment._replace(gait=_gait_of(feet, segment.span)))
-    if contacts_known:
-        records = [foot.record for foot in feet]
-        supports = [support(records, each.span) for each in found]
-        pairs = zip(found, supports, strict=True)
-        found = [each._replace(gait=with_support(each.gait, own, feet)) for each, own in pairs]
-    named = (each._replace(gait=_named(each.gait, feet)) for each in found)
-    return tuple(sorted(named, key=lambda segment: segment.start))
+            span = np.array([own.touchdown[begin], own.end[end - 1]])
+            parts.append((span, _gait_of(feet, span[None])))
+    found, records = [], [foot.record for foot in feet]
+    for span, gait in parts:
+        known = support(records, span[None]) if contacts_known else None
+        start, end = span.tolist()
+        found.append(Segment(start, end, _named(with_support(gait, known, feet), feet)))
+    return tuple(sorted(found, key=lambda segment: segment.start))
 
 
 def no_gait(feet: Sequence[FootSteps]) -> Gait:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -16,7 +17,8 @@ from dogbot_logtool.core.arrays import (
     median_of,
 )
 from dogbot_logtool.core.base.leg_odometry import (
-    LONG_S,
+    BY_FEET,
+    LONG_NS,
     Inertial,
     LegOdometry,
     bridged,
@@ -31,7 +33,9 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.core.contact.foot_history import find_stances, rows_in_stances
 from dogbot_logtool.core.frames.kinematics import Leg, leg_motion
 from dogbot_logtool.core.legs.ground import (
+    BOUNCE,
     FEWEST,
+    LONGEST_BOUNCE_S,
     FeetOnGround,
     LegJoints,
     at_rest,
@@ -57,9 +61,13 @@ AGREES: Final = 0.15
 more in all gaits of a physics engine."""
 FEWEST_IN_STRIDE: Final = 16
 """Joint states in a stride, at least: with fewer, speeds may be off by a third."""
-_BY_FEET: Final = "the feet alone"
-TURNS_S: Final = 0.1
-"""s before and after a time, over which turns by the feet are averaged."""
+STILL_NS: Final = 1_000_000_000
+"""ns in which a robot whose joints move by less than `STILL_RAD` stands, and does not turn."""
+STILL_RAD: Final = 0.01
+LARGEST_BIAS_RADPS: Final = 0.05
+"""What a gyroscope reads at rest, at most; more is a turn."""
+_TURNS_NS: Final = 100_000_000
+"""ns before and after a time, over which turns by the feet are averaged."""
 
 
 class Estimate(NamedTuple):
@@ -72,9 +80,8 @@ class Estimate(NamedTuple):
     contact_from: Literal["joint_torques", "kinematics"]
     why_no_force: str
     """Empty where forces are known."""
-    turns_from: str
-    tells_up: bool
-    """Whether roll and pitch are told; else the base is taken as level."""
+    inertial: Inertial
+    """How the base leans and turns."""
 
 
 def estimate(
@@ -99,18 +106,16 @@ def estimate(
     motions = [leg_motion(leg, joints.position[:, joints.columns(leg.measured)]) for leg in legs]
     if stuck := stuck_joint(joints, legs):
         raise ValueError(stuck)
-    inertial, turns_from = _inertial(recording, joints, mounting)
-    feet = resting_feet(joints, motions, inertial)
-    if turns_from == _BY_FEET:
+    feet = resting_feet(joints, motions, _inertial(recording, joints, mounting))
+    if feet.inertial.turns_from == BY_FEET:
         feet = _turned_by_feet(feet)
     force, why = _forces(feet, mass_kg)
     standing = feet.resting
     if not why:
-        vertical = np.einsum("nfi,ni->nf", force, feet.inertial.up)
-        standing = loaded_feet(vertical, (mass_kg or 0.0) * GRAVITY_MPS2, feet)
-    standing = np.stack([_debounced(joints.time, each) for each in standing.T], axis=1)
+        standing = loaded_feet(feet.upwards(force), (mass_kg or 0.0) * GRAVITY_MPS2, feet)
+    standing = np.stack([*map(partial(_debounced, joints), standing.T, feet.resting.T)], axis=1)
     moved = feet.odometry(standing)
-    if why_not := _unsure(standing, moved, turns_from) or _contradiction(feet, turns_from):
+    if why_not := _unsure(feet, standing, moved):
         raise ValueError(why_not)
     base = _poses(feet, standing, moved)
     placed = base
@@ -126,62 +131,57 @@ def estimate(
         base=base,
         contact_from="kinematics" if why else "joint_torques",
         why_no_force=why,
-        turns_from=turns_from,
-        tells_up=feet.inertial.tells_up,
+        inertial=feet.inertial,
     )
 
 
 def _turned_by_feet(feet: FeetOnGround) -> FeetOnGround:
     """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
-    seconds, standing = feet.joints.seconds, feet.low()
-    between = (seconds[1:] + seconds[:-1]) / 2.0
+    time, standing = feet.joints.time, feet.low()
+    between = time[:-1] + np.diff(time) // 2
     for _ in range(2):
-        rates = bridged(feet.turn_by(standing), between)
-        turn = means(between, rates, seconds, TURNS_S)
+        rates = bridged(feet.turn_by(standing), (between - time[0]) / 1e9)
+        turn = means(between, rates, time, _TURNS_NS)
         feet = feet._replace(inertial=feet.inertial._replace(turn=turn))
         feet = at_rest(feet, feet.low())
         standing = feet.resting
     return feet
 
 
-def _unsure(standing: Flags, moved: LegOdometry, turns_from: str) -> str:
+def _unsure(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> str:
     """Say why feet do not tell surely when they stand and how the base moves; empty: they do.
 
     Args:
+        feet: with what tells how the base turns.
         standing: (n, f) which feet stand.
         moved: how the base moves by them.
-        turns_from: what tells how it turns.
     """
     steps = np.concatenate([np.diff(flagged_runs(each)[:, 0]) for each in standing.T])
     if len(steps) and (states := float(median_of(steps))) < FEWEST_IN_STRIDE:
         return f"joint states come {states:.3g} times in a stride, too rarely"
+    turns = f"turns by {feet.inertial.turns_from}"
     if (agree := float((moved.feet > 0).mean())) < AGREES:
         return (
             f"standing feet agree on how the base moves in {agree:.0%} of the time only: positions "
-            "of joints are not exact enough, or not those of the robot description, or turns by "
-            f"{turns_from} are not the base's in rad/s"
+            f"of joints are not exact enough, or not those of the robot description, or {turns} "
+            "are not the base's in rad/s"
         )
-    return ""
-
-
-def _contradiction(feet: FeetOnGround, turns_from: str) -> str:
-    """Say how turns that something tells and those of the feet differ; empty: they do not."""
-    by_feet = feet.turn_by(feet.low())[:, 2]
-    known = np.isfinite(by_feet)
-    told, stepped = (
+    stepped = feet.turn_by(feet.low())[:, 2]
+    known = np.isfinite(stepped)
+    told, by_feet = (
         float(each[known].sum() / max(known.sum(), 1))
-        for each in (feet.inertial.yaw_rate[1:], by_feet)
+        for each in (feet.inertial.yaw_rate[1:], stepped)
     )
-    if abs(told - stepped) <= max(CONTRADICTS * max(abs(told), abs(stepped)), LEAST_TURN_RADPS):
+    if abs(told - by_feet) <= max(CONTRADICTS * max(abs(told), abs(by_feet)), LEAST_TURN_RADPS):
         return ""
     return (
-        f"turns by {turns_from}, {told:.2f} rad/s in the mean, and by the standing feet, "
-        f"{stepped:.2f} rad/s, contradict each other"
+        f"{turns}, {told:.2f} rad/s in the mean, and by the standing feet, {by_feet:.2f} rad/s, "
+        "contradict each other"
     )
 
 
-def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tuple[Inertial, str]:
-    """Return how the base leans and turns, and by what: its inertial unit, or its feet.
+def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> Inertial:
+    """Return how the base leans and turns by its inertial unit, if it has one.
 
     Args:
         recording: the columns of a log.
@@ -191,15 +191,31 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> tupl
     readings = recording.accelerations
     if readings is not None:
         read, times = readings.samples, readings.samples.stamp
-        reach = round(LONG_S * 1e9)
-        near = (times >= joints.time[0] - reach) & (times <= joints.time[-1] + reach)
+        near = (times >= joints.time[0] - LONG_NS) & (times <= joints.time[-1] + LONG_NS)
         rows = np.flatnonzero(near & all_finite(read.vector) & all_finite(read.turn_rate))
         rows = rows[advancing(times[rows])]
         if len(rows) >= FEWEST:
-            seconds = (times[rows] - joints.time[0]) / 1e9
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
-            return inertial_at(joints.seconds, seconds, felt, turn, GRAVITY_MPS2), "a gyroscope"
-    return level(len(joints.time), GRAVITY_MPS2), _BY_FEET
+            turn -= _bias(joints, times[rows], turn)
+            return inertial_at(joints.time, times[rows], felt, turn)
+    return level(len(joints.time))
+
+
+def _bias(joints: LegJoints, time: Ints, turn: Floats) -> Floats:
+    """(3,) rad/s that a gyroscope reads while the robot stands, as far as it does.
+
+    Args:
+        joints: of the legs.
+        time: (m,) ns, of the readings.
+        turn: (m, 3) rad/s.
+    """
+    part = joints.time // STILL_NS
+    starts = np.flatnonzero(np.diff(part, prepend=part[0] - 1))
+    highest = np.maximum.reduceat(joints.position, starts)
+    moved = (highest - np.minimum.reduceat(joints.position, starts)).max(axis=1)
+    still = np.isin(time // STILL_NS, part[starts][moved < STILL_RAD])
+    bias = turn[still].mean(axis=0) if still.any() else np.zeros(3)
+    return np.where(np.abs(bias) < LARGEST_BIAS_RADPS, bias, 0.0)
 
 
 def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
@@ -208,13 +224,16 @@ def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
     if not (np.isfinite(effort).all() and effort.any()):
         return none, "efforts are empty or zero"
     force = ground_forces(feet)
-    vertical = np.einsum("nfi,ni->nf", force, feet.inertial.up)
-    why = effort_fault(vertical, None if mass_kg is None else mass_kg * GRAVITY_MPS2)
+    weight_n = None if mass_kg is None else mass_kg * GRAVITY_MPS2
+    why = effort_fault(feet.upwards(force), weight_n)
     return (none if why else force), why
 
 
-def _debounced(time: Ints, standing: Flags) -> Flags:
-    begin, end, _, _ = find_stances(time, standing, SHORTEST_S)
+def _debounced(joints: LegJoints, standing: Flags, resting: Flags) -> Flags:
+    """(n,) when a foot stands, also while it bounces at touchdown."""
+    swings = np.diff(joints.seconds[flagged_runs(~resting) - [0, 1]])
+    bounce_s = min(BOUNCE * float(median_of(swings)), LONGEST_BOUNCE_S) if len(swings) else 0.0
+    begin, end, _, _ = find_stances(joints.time, standing, SHORTEST_S, bounce_s)
     return rows_in_stances(begin, end, standing)
 
 
@@ -229,13 +248,10 @@ def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     joints, inertial = feet.joints, feet.inertial
     if inertial.tells_up:
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
-        moved = feet.odometry(middles(standing))
-    yaw_rate = np.stack([0.0 * inertial.yaw_rate, 0.0 * inertial.yaw_rate, inertial.yaw_rate], 1)
-    moved = moved._replace(turn_rate=(yaw_rate[1:] + yaw_rate[:-1]) / 2.0)
-    own = inertial.felt - GRAVITY_MPS2 * inertial.up
-    found = dead_reckoned(moved, inertial.roll_pitch, own)
+        moved = feet.odometry(middles(joints.seconds, standing))
+    found = dead_reckoned(moved, inertial)
     position = found.position.copy()
-    height = np.where(standing, -np.einsum("nfi,ni->nf", feet.points, inertial.up), np.nan)
+    height = np.where(standing, -feet.upwards(feet.points), np.nan)
     position[:, 2] = bridged(mean_of_known(height)[:, None], joints.seconds)[:, 0]
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, joints.seconds, axis=0)
     return Odometry(joints.log_time, joints.time, position, turned, rate)

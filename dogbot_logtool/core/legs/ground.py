@@ -139,6 +139,8 @@ AROUND_S: Final = 0.03
 """s before and after, over which the velocity of the base is the median."""
 EDGE: Final = 0.2
 """Share of a contact at either end in which the foot may not rest yet, or any more."""
+LONGEST_EDGE_S: Final = 0.2
+"""s, but no longer: a foot of a robot that stands rests from then on."""
 
 
 class FeetOnGround(NamedTuple):
@@ -159,13 +161,17 @@ class FeetOnGround(NamedTuple):
     agreeing: Flags
     fast: Flags
 
+    def upwards(self, vectors: Floats) -> Floats:
+        """(n, f) the parts of vectors, (n, f, 3), against gravity."""
+        return np.asarray(np.einsum("nfi,ni->nf", vectors, self.inertial.up))
+
     def turn_by(self, standing: Flags) -> Floats:
         """(n - 1, 3) rad/s, by feet that stand, about z only; NaN where they do not tell."""
         return leg_odometry(self.joints.time, self.points, standing).turn_rate
 
     def low(self) -> Flags:
         """(n, f) which feet are so low that they may stand, however the base turns."""
-        lift, usual = _lift(self.joints.seconds, self.points, self.inertial.up)
+        lift, usual = _lift(self)
         return np.asarray(lift < np.maximum(LOW * usual, LEAST_LIFT_M))
 
     def odometry(self, standing: Flags) -> LegOdometry:
@@ -216,7 +222,7 @@ def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     """Tell anew which feet rest, by (n, f) those that may."""
     seconds = feet.joints.seconds
     implied = -(feet.velocity + np.cross(feet.inertial.turn[:, None], feet.points))
-    lift, usual = _lift(seconds, feet.points, feet.inertial.up)
+    lift, usual = _lift(feet)
     close, top = lift < np.maximum(LOW_AND_SLOW * usual, 2.0 * LEAST_LIFT_M), 0.0
     for _ in range(4):
         base = _common(seconds, implied, resting)
@@ -228,14 +234,14 @@ def at_rest(feet: FeetOnGround, resting: Flags) -> FeetOnGround:
     return feet._replace(resting=resting, agreeing=speed < AGREE * limit, fast=fast)
 
 
-def _lift(seconds: Floats, feet: Floats, up: Floats) -> tuple[Floats, Floats]:
+def _lift(feet: FeetOnGround) -> tuple[Floats, Floats]:
     """Return how high feet are above where each is lowest in the seconds around, and usually lift.
 
     Returns:
         (n, f) m, less that of the lowest foot: when all rise together, it is the base that sinks;
         and (f,) m.
     """
-    height = np.einsum("nfi,ni->nf", feet, up)
+    seconds, height = feet.joints.seconds, feet.upwards(feet.points)
     lift = height.copy()
     for start in np.unique(seconds // GROUND_S * GROUND_S):
         before, begin, end, after = np.searchsorted(seconds, start + GROUND_S * np.arange(-1, 3))
@@ -256,12 +262,13 @@ def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
     return np.asarray((total[end] - total[begin]) / (end - begin)[:, None])
 
 
-def middles(standing: Flags) -> Flags:
+def middles(seconds: Floats, standing: Flags) -> Flags:
     """(n, f) which of the feet in contact are so not just after touchdown or before lift-off."""
     inner = np.zeros_like(standing)
+    longest = LONGEST_EDGE_S / max(float(median_of(np.diff(seconds))), 1e-6)
     for foot, column in enumerate(standing.T):
         runs = flagged_runs(column)
-        edge = np.ceil(EDGE * (runs[:, 1] - runs[:, 0])).astype(np.int64)
+        edge = np.ceil(np.minimum(EDGE * (runs[:, 1] - runs[:, 0]), longest)).astype(np.int64)
         within = runs + edge[:, None] * [1, -1]
         inner[:, foot] = covers(within[within[:, 0] < within[:, 1]], np.arange(len(column)))
     return inner
@@ -307,30 +314,16 @@ def _force(feet: FeetOnGround, foot: int, leg: LegMotion) -> Floats:
 
 
 def loaded_feet(vertical: Floats, weight_n: float, ground: FeetOnGround) -> Flags:
-    """(n, f) which feet carry a load, and rest meanwhile, but for touchdown and lift-off.
+    """(n, f) which feet carry a load, and do not swing.
 
     Args:
         vertical: (n, f) N, of the ground on each foot.
         weight_n: N, of the robot.
         ground: what the motion of the feet tells.
     """
-    share, seconds = weight_n / vertical.shape[1], ground.joints.seconds
+    share = weight_n / vertical.shape[1]
     on, off = vertical >= LOADED * share, vertical < UNLOADED * share
-    loaded = latched(on & ~ground.fast, off | ground.fast)
-    for foot in range(vertical.shape[1]):
-        # A foot that bounces at touchdown, while it is there already.
-        swings = _lasting_s(seconds, flagged_runs(~ground.resting[:, foot]))
-        usual = float(median_of(swings)) if len(swings) else 0.0
-        aloft = flagged_runs(~loaded[:, foot])
-        short = _lasting_s(seconds, aloft) < min(BOUNCE * usual, LONGEST_BOUNCE_S)
-        for first, behind in aloft[short].tolist():
-            loaded[first:behind, foot] = True
-    return loaded
-
-
-def _lasting_s(seconds: Floats, runs: Ints) -> Floats:
-    """(k,) s from the first row of each run to its last."""
-    return np.asarray(seconds[runs[:, 1] - 1] - seconds[runs[:, 0]])
+    return latched(on & ~ground.fast, off | ground.fast)
 
 
 def effort_fault(vertical: Floats, weight_n: float | None) -> str:

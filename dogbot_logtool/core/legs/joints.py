@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Flags,
     Float32s,
@@ -13,13 +14,13 @@ from dogbot_logtool.core.arrays import (
     Integral,
     Ints,
     median_of,
+    middles,
 )
 from dogbot_logtool.core.base.ground import (
     LONGEST_STEP_S,
     Footfalls,
     FootPath,
-    silent_before,
-    unbroken,
+    without_silences,
 )
 from dogbot_logtool.core.clock import (
     ClockDifference,
@@ -200,14 +201,14 @@ def _track(
     moves = bool(displacement.any())
     if (np.isfinite(velocity) & (velocity != 0.0)).any():
         power = effort * velocity
-        positive = _middles(np.maximum(power, 0.0)) * step_s
-        absolute = _middles(np.abs(power)) * step_s
+        positive = middles(np.maximum(power, 0.0)) * step_s
+        absolute = middles(np.abs(power)) * step_s
         speed = np.abs(velocity[1:])
     else:
-        work = _middles(effort) * displacement + 0.0 * step_s
+        work = middles(effort) * displacement + 0.0 * step_s
         positive, absolute = work.clip(0.0), np.abs(work)
         speed = np.abs(displacement / step_s)
-    middle, squared = _middles(velocity), _middles(effort**2) * step_s
+    middle, squared = middles(velocity), middles(effort**2) * step_s
     near_s = float(np.nansum(step_s[_near_limit(limits, position[1:], effort[1:], speed)]))
     lowest, highest = float(np.fmin.reduce(effort)), float(np.fmax.reduce(effort))
     has_effort = lowest < highest or (lowest == highest != 0.0 and not moves)
@@ -247,11 +248,6 @@ def _near_limit(limits: JointLimits, position: Floats, effort: Floats, speed: Fl
     near |= np.abs(effort) > NEAR_FULL * limits.effort
     near |= speed > NEAR_FULL * limits.velocity
     return near
-
-
-def _middles(values: Floats) -> Floats:
-    middles: Floats = (values[1:] + values[:-1]) / 2.0
-    return middles
 
 
 JOINT_RATE_HZ: Final = 100.0
@@ -338,7 +334,8 @@ def joint_work(joint: JointTrack, begin: Ints, end: Ints) -> Floats:
     """
     totals = np.nancumsum(joint.work, axis=1, dtype=np.float64)
     done = Integral(joint.time, totals.T).added(begin, end).T
-    known = unbroken(joint.time, ~np.isfinite(joint.work[0]), begin, end)
+    told = timespans.spans_where(joint.time, np.isfinite(joint.work[0, 1:]))
+    known = timespans.hold_window(told, begin, 0, end - begin)
     work: Floats = np.where(known, done, np.nan)
     return work
 
@@ -357,11 +354,11 @@ def joint_curve(joint: JointTrack, strides: Strides) -> tuple[Shape, float] | No
     Returns:
         Its position over the gait cycle, and the median range of motion in a stride, rad or m.
     """
-    whole = unbroken(joint.time, silent_before(joint.time), strides.touchdown, strides.end)
+    start, period = strides.touchdown, strides.end - strides.touchdown
+    whole = timespans.hold_window(without_silences(joint.time), start, 0, period)
     if not joint.moves or not whole.any():
         return None
-    start, period = strides.touchdown[whole], (strides.end - strides.touchdown)[whole]
-    time = (start - joint.time[0])[:, None] + period[:, None] * CYCLE
+    time = (start[whole] - joint.time[0])[:, None] + period[whole, None] * CYCLE
     since = (joint.time - joint.time[0]).astype(np.float64)
     position = np.interp(time, since, joint.position.astype(np.float64))
     return cycle_curve(position), float(median_of(np.ptp(position, axis=1)))

@@ -220,28 +220,25 @@ def _decompressed(source: ByteSource, losses: list[Loss]) -> Iterator[tuple[int,
 def unpacked(batch: Batch) -> Batch:
     """Decompress the messages of a batch that are zstd frames of their own."""
     messages = batch.messages
-    packed = messages.end - messages.start >= len(ZSTD_MAGIC)
-    if packed.any():
-        heads = gather(batch.buffer, messages.start[packed], len(ZSTD_MAGIC))
-        packed[packed] = heads == np.void(ZSTD_MAGIC)
-    if not packed.any():
+    starts = messages.start[messages.end - messages.start >= len(ZSTD_MAGIC)]
+    heads = gather(batch.buffer, starts, len(ZSTD_MAGIC)) if len(starts) else np.empty(0, "V4")
+    if not (heads == np.void(ZSTD_MAGIC)).any():
         return batch
     parts: list[bytes | None] = []
     left = max(_BATCH_BUDGET, _MAX_BATCH_RATIO * len(batch.buffer))
-    rows = zip(packed.tolist(), messages.start.tolist(), messages.end.tolist(), strict=True)
-    for is_packed, start, end in rows:
+    for start, end in zip(messages.start.tolist(), messages.end.tolist(), strict=True):
         data = batch.buffer[start:end].tobytes()
-        parts.append(_content(data, left) if is_packed else data)
+        parts.append(_content(data, left) if data.startswith(ZSTD_MAGIC) else data)
         left -= len(parts[-1] or b"")
-    ends = np.cumsum([len(part or b"") for part in parts])
-    starts = np.append(0, ends[:-1])
+    size = np.array([len(part or b"") for part in parts])
+    ends = np.cumsum(size)
     buffer = np.frombuffer(b"".join(part or b"" for part in parts) or b"\0", np.uint8)
-    fresh = replace(batch, buffer=buffer, messages=replace(messages, start=starts, end=ends))
-    kept = np.array([part is not None for part in parts])
-    if kept.all():
+    fresh = replace(batch, buffer=buffer, messages=replace(messages, start=ends - size, end=ends))
+    lost = parts.count(None)
+    if not lost:
         return fresh
-    lost = int((~kept).sum())
     loss = Loss(0, f"{lost} messages cannot be decompressed", 0, lost)
+    kept = np.array([part is not None for part in parts])
     return replace(fresh.only(kept), losses=(*batch.losses, loss))
 
 

@@ -133,7 +133,7 @@ class RecordLog(Log):
         offset = start
         while offset < end:
             if chunk := named.get(offset):
-                if _impossible(chunk, self.source.size):
+                if not is_honest_size(chunk.size, chunk.data_size):
                     return False
                 self.chunks.append(chunk)
             following = chunk.index_end if chunk else self._step(offset)
@@ -238,16 +238,14 @@ class RecordLog(Log):
         size = self.source.size
         return offset == size or self._format.sound(self.source.read, offset, size)
 
-    def _bare(self, offset: int, end: int) -> int | None:
-        """Take a run of messages that stand outside of chunks; None if the first is none.
+    def _bare(self, offset: int, end: int) -> int:
+        """Take a run of messages that stand outside of chunks; return where to go on.
 
         Args:
             offset: where the first begins.
             end: where it ends.
         """
         window, bounds = self._run(offset, end)
-        if len(bounds) == 1:
-            return None
         stop = bounds[-1]
         goes_on = self._follows(offset + stop) or may_begin(self._format, window, stop, len(window))
         if not goes_on:
@@ -317,8 +315,8 @@ class RecordLog(Log):
         Raises:
             ChunkDamage: nothing in the chunk can be trusted.
         """
-        if why := _impossible(chunk, self.source.size):
-            raise ChunkDamage(why)
+        if not is_honest_size(chunk.size, chunk.data_size):
+            raise ChunkDamage(f"it claims to hold {chunk.size} bytes in {chunk.data_size}")
         stored = self.source.read(chunk.offset, chunk.index_end - chunk.offset)
         return self._parse(chunk, memoryview(stored), np.empty(chunk.size, np.uint8))
 
@@ -428,15 +426,6 @@ class RecordLog(Log):
         if before is not None and after is not None:
             before, after = sorted((before, after))
         return loss._replace(start_time=before, end_time=after)
-
-
-def _impossible(chunk: Chunk, file_size: int) -> str:
-    """Return why what a chunk claims cannot be true, before memory is set aside for it."""
-    if chunk.data_offset + chunk.data_size > min(chunk.end, file_size):
-        return "it is cut off by the end of the file"
-    if is_honest_size(chunk.size, chunk.data_size):
-        return ""
-    return f"it claims to hold {chunk.size} bytes in {chunk.data_size}"
 
 
 def open_records(new_log: Callable[[ByteSource], RecordLog], source: ByteSource) -> RecordLog:

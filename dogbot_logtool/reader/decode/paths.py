@@ -52,9 +52,8 @@ _COMPONENTS: Final = ("x", "y", "z")
 _MOST_LISTED: Final = 12
 _MOST_FIELDS: Final = 2000
 _NEAREST: Final = 3
-_TIME_PARTS: Final = ("sec", "nanosec")
-_WIDEST_TIME_PART: Final = 4
-"""Bytes; wider seconds would not fit as nanoseconds into 64 bits."""
+_TIME_TYPES: Final = tuple(Primitive(dtype) for dtype in ("i1", "u1", "i2", "u2", "i4", "u4"))
+"""Of seconds and nanoseconds: wider seconds would not fit as nanoseconds into 64 bits."""
 
 
 class ArrayPart(NamedTuple):
@@ -261,10 +260,7 @@ def _is_single(found: FieldType, want: Want) -> bool:
     if want != "time":
         return isinstance(found, Text if want == "text" else Primitive)
     parts = dict(found.fields) if isinstance(found, Struct) else {}
-    numbers = [part for name in _TIME_PARTS if isinstance(part := parts.get(name), Primitive)]
-    return len(numbers) == len(_TIME_PARTS) and all(
-        part.dtype[0] in "iu" and part.size <= _WIDEST_TIME_PART for part in numbers
-    )
+    return all(parts.get(name) in _TIME_TYPES for name in ("sec", "nanosec"))
 
 
 def columns_of(paths: Iterable[FieldPath]) -> Columns:

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.columns import Table
 from dogbot_logtool.reader.messages.message_type import MessageType
 from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels
-from dogbot_logtool.reader.messages.source import Source, first_fitting
+from dogbot_logtool.reader.messages.source import Source, Topic, first_fitting
 
 ODOMETRY_TYPE: Final = "nav_msgs/Odometry"
 FORMS: Final = (
@@ -44,24 +44,10 @@ class BasePoses:
     """Each message has one pose and a stamp."""
 
 
-class Base(NamedTuple):
-    """The source of the base's poses."""
-
-    source: Source
-    channels: tuple[Channel, ...]
-    element: str = ""
-    """Which of the poses in a message: a model, a link, a pair of frames; empty: the only one."""
-
-    @property
-    def name(self) -> str:
-        """Its name as ``--odom-topic`` takes it."""
-        topic = self.channels[0].topic
-        return f"{topic}:{self.element}" if self.element else topic
-
-    def read(self, batch: Batch) -> list[BasePoses]:
-        """Read the poses of a batch; one entry a definition, nearly always one."""
-        decoded = decode_channels(batch, self.channels, self.source.columns)
-        return [_read(self.source, messages, self.element) for messages in decoded]
+def read_base(base: Topic, batch: Batch) -> list[BasePoses]:
+    """Read the base's poses of a batch; one entry a definition, nearly always one."""
+    decoded = decode_channels(batch, base.channels, base.source.columns)
+    return [_read(base.source, messages, base.element) for messages in decoded]
 
 
 def _read(source: Source, messages: DecodedMessages, element: str) -> BasePoses:

@@ -1,8 +1,9 @@
 """Rows of the table, fitted to the definitions of a log: how a channel's messages are read."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,12 @@ from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.paths import Columns, FieldPath, Want, columns_of, path_of
 from dogbot_logtool.reader.messages.message_type import WANTS, MessageType, Part
-from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, described
+from dogbot_logtool.reader.messages.messages import (
+    DecodedMessages,
+    decode_channels,
+    described,
+    without_sender,
+)
 from dogbot_logtool.reader.messages.table import rows_of
 
 Paths = Mapping[str, tuple[FieldPath, ...]]
@@ -83,6 +89,26 @@ class Source:
         return self.paths["stamp"][0].times(messages.table)
 
 
+class Topic(NamedTuple):
+    """A topic that tells of a part of a walk, and how its messages are read."""
+
+    source: Source
+    channels: tuple[Channel, ...]
+    """At least one, all of one definition."""
+    element: str = ""
+    """Which of the poses in a message: a model, a link, a pair of frames; empty: the only one."""
+
+    @property
+    def topic(self) -> str:
+        """The topic."""
+        return self.channels[0].topic
+
+    @property
+    def name(self) -> str:
+        """The topic with the element, as ``--odom-topic`` takes them."""
+        return f"{self.topic}:{self.element}" if self.element else self.topic
+
+
 def decoded_by(
     batch: Batch, sources: Iterable[tuple[Channel, Source | None]]
 ) -> Iterator[tuple[Source, DecodedMessages]]:
@@ -112,12 +138,6 @@ def source_of(channel: Channel, part: Part) -> Source | None:
     ):
         return None
     return _source_of(without_sender(channel), part)
-
-
-def without_sender(channel: Channel) -> Channel:
-    """Return what the channels of one definition have in common, which share a source."""
-    schema = channel.schema and channel.schema._replace(id=0)
-    return replace(channel, id=0, topic="", schema=schema, metadata={})
 
 
 @lru_cache(maxsize=1024)

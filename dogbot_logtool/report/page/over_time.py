@@ -139,7 +139,7 @@ def _speed(walk: Walk) -> Floats:
     last = np.minimum(base.time + beside, base.time[-1])
     step = base.position_at(last)[:, :2] - base.position_at(first)[:, :2]
     heading = base.angles[:, 2] + walk.settings.forward_rad
-    forward, _ = along_heading(step, heading)
+    forward = along_heading(step, heading)[:, 0]
     speed: Floats = forward / ((last - first) / 1e9)
     breaks = timespans.merge(np.concatenate([walk.jumps.spans, base.gaps]))
     speed[timespans.touches(breaks, first, last)] = np.nan

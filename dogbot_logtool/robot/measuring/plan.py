@@ -13,11 +13,11 @@ from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
 from dogbot_logtool.errors import LogError
 from dogbot_logtool.finding import Finding
-from dogbot_logtool.options import MeasureOptions, RobotOptions
+from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.part import Wanted
 from dogbot_logtool.robot.base import BASES
-from dogbot_logtool.robot.feet import planned_feet
+from dogbot_logtool.robot.feet import channels_of_feet, planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection, select_topics
@@ -42,8 +42,6 @@ class MeasuringPlan(NamedTuple):
     planned: Selection | None
     """The same feet as a plan in the log has them; None: it has none."""
     wanted: Wanted
-    findings: tuple[Finding, ...]
-    """Which topics beside feet and base are used."""
 
 
 def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
@@ -57,8 +55,9 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     joints = tuple(joint_channels(log))
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection.findings))
-    planned = _planned(log, selection, options)
+    planned = _planned(log, selection)
     commands, accelerations, findings = side_topics(log, selection.robot)
+    selection = selection._replace(findings=(*selection.findings, *findings))
     wanted = selection.wanted()._replace(
         joints=joints,
         commands=commands,
@@ -66,31 +65,27 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
         planned=planned.wanted().feet if planned else None,
         limits=time_limits(log, options.start, options.end),
     )
-    return MeasuringPlan(selection, planned, wanted, findings)
+    return MeasuringPlan(selection, planned, wanted)
 
 
-def _planned(log: Log, selection: Selection, options: MeasureOptions) -> Selection | None:
+def _planned(log: Log, selection: Selection) -> Selection | None:
     """Return the selection of the feet of a plan that the log has beside their sensors."""
-    if options.feet:
-        return None
     feet = planned_feet(log, selection.robot, selection.contacts)
-    if not feet:
-        return None
-    return select_topics(log, replace(options, foot=None, set={"tare": "none"}, feet=feet))
+    robot = replace(selection.robot, feet=feet, tare="none")
+    return selection._replace(robot=robot, feet_of=channels_of_feet(log, robot)) if feet else None
 
 
-def settings_of(selection: Selection, options: RobotOptions) -> WalkSettings:
+def settings_of(selection: Selection) -> WalkSettings:
     """Return what is known of a recording before its columns are looked at."""
     robot, guessed = selection.robot, selection.robot_is_guessed
     promised = {source.row.axes for source in selection.sources}
-    mass_is_given = options.mass is not None or "mass_kg" in robot.given
     time_source, reason = _time_source(selection)
     return WalkSettings(
         **{name: getattr(robot, name) for name in _OF_ROBOT},
         feet=tuple(_foot(selection, row) for row in range(len(robot.feet))),
         robot=robot.name,
         robot_is_guessed=guessed,
-        mass_is_assumed=guessed and not mass_is_given,
+        mass_is_assumed=guessed and "mass_kg" not in robot.given,
         forward_axis_is_assumed=guessed and "forward_axis" not in robot.given,
         thresholds=Thresholds(
             robot.contact_on_n,
@@ -202,7 +197,7 @@ def prepare(
     wanted = plan.wanted
     start, end = wanted.limits
     settings = replace(
-        settings_of(selection, options),
+        settings_of(selection),
         command_topic=wanted.commands[0].topic if wanted.commands else "",
         imu_topic=wanted.accelerations[0].topic if wanted.accelerations else "",
         silent_from=log.start_time if start is None else None,
@@ -217,10 +212,10 @@ def prepare(
         recording,
         settings,
         _find_legs(selection, model),
-        settings_of(plan_of_feet, options) if plan_of_feet else None,
+        settings_of(plan_of_feet) if plan_of_feet else None,
         selection,
         model,
-        (*selection.findings, *moved, *joined, *whole, *plan.findings),
+        (*selection.findings, *moved, *joined, *whole),
     )
 
 
