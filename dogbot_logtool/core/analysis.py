@@ -119,6 +119,11 @@ def mask_walk(corrected: Corrected) -> Walk:
     telling = [
         foot.without_force() if is_stuck(foot, corrected.feet) else foot for foot in corrected.feet
     ]
+    if placed_by_poses and len(jumps.spans):
+        telling = [foot.without_travel(jumps.spans) for foot in telling]
+    if settings.contact_from:
+        # No sensor is at fault where efforts were not right for a moment.
+        telling = [replace(foot, spikes=foot.spikes[:0]) for foot in telling]
     records = without_stopped(telling, base)
     placed = recorded if placed_by_poses else base
     worlds = compare_worlds(records, placed, period_s)

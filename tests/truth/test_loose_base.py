@@ -1,5 +1,6 @@
 """Robots in a physics engine that only their feet keep from leaning: they sway, slip and bounce."""
 
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -7,8 +8,8 @@ import pytest
 
 import dogbot_logtool as dl
 from tests.truth import physics
-from tests.truth.free_walker import HEIGHT_M, quadruped
-from tests.truth.physics import Physics
+from tests.truth.free_walker import HEIGHT_M, PERIOD_S, quadruped
+from tests.truth.physics import Physics, resized
 from tests.truth.robots import GRAVITY_MPS2
 
 BIAS_RADPS: Final = 0.01
@@ -66,3 +67,37 @@ def test_sensors_of_a_robot_that_stands_in_an_engine_without_noise_are_not_stuck
         walk = physics.measured(truth, by_transforms=False, points=False, every=every)
         assert not warnings(walk)
         assert not [each for each in walk.stats["events"] if each["type"] == "sensor_fault"]
+
+
+@pytest.mark.parametrize("scale", [0.5, 2.2])
+def test_bounces_at_touchdown_are_no_strides(scale: float) -> None:
+    """Contact by joints: a large robot bounces for longer."""
+    truth = resized(quadruped((0.3, 0.0, 0.0), leans=True), scale)
+    walk = physics.measured(truth, by_transforms=False, every=2, with_feet=False)
+    assert not warnings(walk)
+    frequency = walk.stats["gait"]["stride_frequency_hz"]
+    assert frequency == pytest.approx(1.0 / (PERIOD_S * np.sqrt(scale)), rel=0.01)
+
+
+def test_a_jump_of_the_odometry_is_no_slip() -> None:
+    """Feet without sensors are placed by the poses, and jump with them."""
+    truth = quadruped((0.3, 0.0, 0.0), leans=True)
+    late = truth.time[:, None] >= 2.6
+    jumps = replace(truth, base=truth.base + late * [0.5, 0.3, 0.0])
+    walk = physics.measured(jumps, by_transforms=False, every=2, with_feet=False)
+    assert set(warnings(walk)) == {"POSE_JUMP"}
+    assert "slip" not in {each["type"] for each in walk.stats["events"]}
+
+
+@pytest.mark.parametrize("with_feet", [True, False])
+def test_poses_that_drift_while_legs_stay_or_walk_on_level_ground(with_feet: Any) -> None:
+    stays = quadruped((0.0, 0.0, 0.0), leans=True)
+    aside = replace(stays, base=stays.base + np.outer(stays.time, [0.0, 0.2, 0.0]))
+    walk = physics.measured(aside, by_transforms=False, every=2, with_feet=with_feet)
+    assert "POSE_SCALE" in warnings(walk)
+    assert walk.stats["base"]["lateral_speed_mps"] is None
+    goes = quadruped((0.3, 0.0, 0.0), leans=True)
+    up = replace(goes, base=goes.base + np.outer(goes.time, [0.0, 0.0, 0.15]))
+    walk = physics.measured(up, by_transforms=False, every=2, with_feet=with_feet)
+    assert "WORLDS_DIFFER" in warnings(walk)
+    assert walk.stats["base"]["climb_m"] is None

@@ -328,20 +328,24 @@ class Comparison(NamedTuple):
         return len(self.own.turn)
 
     @property
+    def goes_m(self) -> float:
+        """How far the witness goes, or poses beside one that stays, if half of that is more, m."""
+        return max(self.reference.walked_m, self.own.walked_m / 2.0)
+
+    @property
     def goes(self) -> bool:
-        """Whether the witness goes somewhere."""
-        return self.reference.walked_m > SHORTEST_PATH_M
+        """Whether they go somewhere."""
+        return self.goes_m > SHORTEST_PATH_M
 
     @property
     def tells_way(self) -> bool:
-        """Whether it does, and does not turn on the spot."""
-        turned = float(np.abs(self.reference.turn).sum())
-        return self.goes and self.reference.walked_m > SWINGS * turned
+        """Whether they do, and do not turn on the spot."""
+        return self.goes and self.goes_m > SWINGS * float(np.abs(self.reference.turn).sum())
 
     @property
     def scale(self) -> float:
         """How many times as far as the witness the poses go."""
-        return self.own.walked_m / self.reference.walked_m
+        return self.own.walked_m / max(self.reference.walked_m, 1e-9)
 
     @property
     def direction_rad(self) -> float:

@@ -213,7 +213,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     leg_m = walk.witness.leg_m if walk.witness is not None else 0.0
     far_m = SHORTEST_STEP * leg_m * len(windows)
     told = [each for each in (feet, twist) if each is not None and each.tells_way]
-    way = next((each for each in told if each.by != LEGS or each.reference.walked_m > far_m), None)
+    way = next((each for each in told if each.by != LEGS or each.goes_m > far_m), None)
     yield from _scale(walk, own, way)
     if way is not None and abs(way.direction_rad) > ASIDE_RAD:
         degrees = abs(np.degrees(way.direction_rad))
@@ -223,8 +223,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
         yield _doubted(walk, "POSE_DIRECTION", *leans, degrees=degrees, side=side, witness=way)
     yield from _orientation(walk, own, feet, windows)
     yield from (planar := list(_planar(walk, feet, windows)))
-    by_legs = walk.settings.contact_from or walk.settings.base_from_legs
-    if feet is not None and not (planar or by_legs):
+    if feet is not None and not (planar or walk.settings.base_from_legs):
         yield from _climb(walk, feet, leg_m)
 
 
@@ -393,6 +392,8 @@ what a lean that is some degrees off makes of it, and `SINKS`, a share of a leg 
 base bounces while no foot stands is guessed."""
 MOST_RISE: Final = 0.05
 SINKS: Final = 0.04
+SINKS_UNSEEN: Final = 0.08
+"""The same where no sensor tells when feet stand."""
 RISES: Final = 0.2
 """Share of its height, or of the feet's spread, by which a base that rises steadily over its feet
 does not do it itself."""
@@ -408,8 +409,8 @@ def _climb(walk: Walk, feet: Comparison, leg_m: float) -> Iterator[Finding]:
     words: Words = {"metres": metres, "told": feet}
     if feet.by == LEGS:
         goes_alike = feet.goes and SCALES[0] <= feet.scale <= SCALES[1]
-        by_way, by_strides = MOST_RISE * feet.reference.walked_m, SINKS * leg_m * feet.strides
-        most = max(MOST_RISE_M, by_way, by_strides)
+        sinks_m = leg_m * (SINKS_UNSEEN if walk.settings.contact_from else SINKS)
+        most = max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m, sinks_m * feet.strides)
         if goes_alike and abs(metres) > most:
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
     elif feet.strides >= FEWEST_STRIDES and abs(metres) > RISES * tall:

@@ -152,7 +152,8 @@ other sign; and the size of that work over that of the force."""
 
 def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
     """Judge the efforts of each leg by the force on its foot, where both are known."""
-    if not walk.feet or direction_is_doubtful(walk):
+    # Forces that were worked out from efforts agree with these, whatever their signs.
+    if not walk.feet or direction_is_doubtful(walk) or walk.settings.contact_from:
         return {}
     judged = {}
     for row, (foot, leg) in enumerate(zip(walk.feet, legs.feet, strict=True)):

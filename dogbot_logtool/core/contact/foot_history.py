@@ -141,6 +141,17 @@ class FootHistory:
             spikes=self.spikes[:0],
         )
 
+    def without_travel(self, spans: Ints) -> "FootHistory":
+        """Return what is left where poses place the points, and jump in some spans, (s, 2) ns."""
+        stances = self.stances
+        stay = ~timespans.touches(spans, stances.touchdown, stances.liftoff)
+        travel, reach = (
+            np.where(stay, each, np.nan)
+            for each in (stances.figures.contact_travel_m, stances.figures.contact_reach_m)
+        )
+        figures = stances.figures._replace(contact_travel_m=travel, contact_reach_m=reach)
+        return replace(self, stances=stances._replace(figures=figures))
+
     def stopped_in(self, spans: Ints) -> "FootHistory":
         """Return what is left where the sensor has stopped in some spans, (s, 2) ns.
 

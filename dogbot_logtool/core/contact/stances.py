@@ -275,7 +275,8 @@ def lone_spikes(track: FootTrack, begin: Ints, end: Ints) -> Ints:
 
     It is at least `SPIKE` times its neighbours, and as much above every sample of the stance that
     does not stand out of its neighbours so. The first sample is the foot's impact, whatever it is;
-    so is what recurs at the same phase of many stances, while a fault comes at random.
+    so is what recurs at the same phase of many stances, while a fault comes at random, and what
+    stands soon after touchdown beside the highest of all others: an impact has flanks.
 
     Args:
         track: of a foot.
@@ -297,6 +298,9 @@ def lone_spikes(track: FootTrack, begin: Ints, end: Ints) -> Ints:
     duration = track.time[end] - track.time[begin]
     can_tell = (end - begin >= FEWEST_FOR_SPIKES) & (duration <= LONGEST_STANCE_S * 1e9)
     spikes = can_tell[stance] & (track.force[rows] > SPIKE * most[stance])
+    flank = np.maximum(track.force[rows - 1], track.force[rows + 1])
+    early = track.time[rows] - track.time[begin[stance]] <= IMPACT_S * 1e9
+    spikes &= ~(early & (flank >= most[stance]))
     rows, stance = rows[spikes], stance[spikes]
     # The highest of each stance may recur.
     highest, phase = np.argsort(track.force[rows]), np.full(len(begin), np.nan)

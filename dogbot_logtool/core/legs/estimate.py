@@ -15,6 +15,7 @@ from dogbot_logtool.core.arrays import (
     flagged_runs,
     mean_of_known,
     median_of,
+    percentiles_of,
 )
 from dogbot_logtool.core.base.leg_odometry import (
     BY_FEET,
@@ -232,7 +233,8 @@ def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
 def _debounced(joints: JointTable, standing: Flags, resting: Flags) -> Flags:
     """(n,) when a foot stands, also while it bounces at touchdown."""
     swings = np.diff(joints.seconds[flagged_runs(~resting) - [0, 1]])
-    bounce_s = min(BOUNCE * float(median_of(swings)), LONGEST_BOUNCE_S) if len(swings) else 0.0
+    usual_s = float(percentiles_of(swings, 75.0)) if len(swings) else 0.0
+    bounce_s = min(BOUNCE * usual_s, LONGEST_BOUNCE_S)
     begin, end, _, _ = find_stances(joints.samples.stamp, standing, SHORTEST_S, bounce_s)
     return rows_in_stances(begin, end, standing)
 

@@ -250,7 +250,7 @@ UNLOADED: Final = 0.2
 BOUNCE: Final = 0.35
 """Share of the usual time without rest below which a foot without load bounces, or less than
 `LONGEST_BOUNCE_S`."""
-LONGEST_BOUNCE_S: Final = 0.08
+LONGEST_BOUNCE_S: Final = 0.12
 FORCE_ONLY: Final = 1e-6
 """How little forces are damped in a least-squares fit, and how much `MOMENT` moments at a foot."""
 MOMENT: Final = 1e-2
