@@ -45,13 +45,6 @@ def test_every_source_gives_the_walk(tmp_path: Path, kind: str) -> None:
     assert ("LOG_TIME_USED" in said) == (kind in base.WITHOUT_HEADER)
 
 
-def test_positions_in_other_units_are_scaled(tmp_path: Path) -> None:
-    path = base.write(tmp_path / "walk.mcap", "nav_msgs/Odometry", "/odom")
-    metres = figures(path)["base"]["net_displacement_m"]
-    scaled = measure(path, MeasureOptions(set={"odometry_scale": "0.5"}))
-    assert stats_json(scaled)["base"]["net_displacement_m"] == pytest.approx(0.5 * metres)
-
-
 @pytest.mark.parametrize(
     ("kind", "path"),
     [
