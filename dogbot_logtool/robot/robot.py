@@ -201,9 +201,8 @@ def with_settings(robot: Robot, options: RobotOptions) -> Robot:
         names = [each.name for each in robot.feet]
         if foot not in names:
             raise CallError(f"--set {path}: the log has no such foot; it has {listed(names)}")
-        changed = replace(robot.feet[names.index(foot)], **{name: value})
-        feet = tuple(changed if each.name == foot else each for each in robot.feet)
-        robot = replace(robot, feet=feet)
+        feet = (replace(e, **{name: value}) if e.name == foot else e for e in robot.feet)
+        robot = replace(robot, feet=tuple(feet))
         given.add(f"tare.{foot}" if name == "offset_n" else path)
     _check_thresholds(robot, "--set")
     return replace(robot, given=frozenset(given))
