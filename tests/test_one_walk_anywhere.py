@@ -58,14 +58,6 @@ WRITERS: Final[dict[str, Callable[[Path], Path]]] = {
 }
 
 
-def test_any_number_of_processes_gives_the_same_figures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("dogbot_logtool.reader.containers.log.BATCH_SIZE", 300_000)
-    log = write_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
-    assert figures(log, jobs=5) == expected()
-
-
 # --- Annotations ----------------------------------------------------------------------------------
 
 Annotation = tuple[str, int, int, bytes]
@@ -101,17 +93,8 @@ def test_every_container_and_chunking_gives_the_same_figures_and_annotations(
     assert annotations(tmp_path, log, encoding) == expected_annotations[encoding]
 
 
-def test_annotations_do_not_depend_on_where_spans_end(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    expected_annotations: dict[str, list[Annotation]],
-) -> None:
-    monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", 300)
-    assert annotations(tmp_path, trot(), "ros2") == expected_annotations["ros2"]
-
-
 @pytest.mark.parametrize(("jobs", "start"), [(5, "fork"), (2, "spawn"), (5, "threads")])
-def test_any_workers_write_the_same_annotations(
+def test_any_workers_give_the_same_figures_and_annotations(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     expected_annotations: dict[str, list[Annotation]],
@@ -122,4 +105,5 @@ def test_any_workers_write_the_same_annotations(
     monkeypatch.setattr("dogbot_logtool.conversion.annotate.SPAN_ROWS", 1000)
     monkeypatch.setattr("dogbot_logtool.reader.workers.start_method", lambda _log: start)
     log = write_mcap(tmp_path / "x.mcap", *messages(1), 100_000)
+    assert figures(log, jobs) == expected()
     assert annotations(tmp_path, log, "foxglove", jobs) == expected_annotations["foxglove"]

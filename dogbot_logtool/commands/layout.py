@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import fields
+from math import degrees
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +13,7 @@ from dogbot_logtool.commands.stats import measure_log
 from dogbot_logtool.core.arrays import norms
 from dogbot_logtool.core.checks.recorded import zero_stamps
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD, turned_deg
+from dogbot_logtool.core.known_frames import DEFAULT_BASE, DEFAULT_WORLD
 from dogbot_logtool.core.recording import LARGEST
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 from dogbot_logtool.options import MeasureOptions, RobotOptions
@@ -53,7 +54,7 @@ def view_of(log: Path | None, options: RobotOptions) -> View:
             peak_n=_peak_n(recording.feet) or view.peak_n,
             forward_axis=settings.forward_axis,
             size_m=shape.size_m,
-            turned_deg=turned_deg(recording),
+            turned_deg=degrees(walk.base_history.angles[:1, 2].sum()),
             has_stamps=not zero_stamps(recording, settings),
             damage=damage_of(opened, opened.losses),
         )

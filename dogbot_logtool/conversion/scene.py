@@ -179,7 +179,7 @@ def _placed_samples(
     # Forces are in the world already, as far as they can be turned.
     frames = frames._replace(points=points, links=(None,) * len(points))
     samples, counts = frames.place(feet)
-    return samples, tuple(transform_findings(frames, counts))
+    return samples, tuple(transform_findings(counts))
 
 
 def _feet(samples: Sequence[Samples], walk: Walk) -> Iterator[DrawnFoot]:

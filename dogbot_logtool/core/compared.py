@@ -262,8 +262,7 @@ def compare_imu(walk: Walk, sensed: VectorHistory) -> ImuComparison | None:
     if mounting is not None:
         body = rotate(np.array([mounting]), body)
     half = round((walk.period_s or USUAL_WINDOW_S) * 5e8)
-    silent = np.flatnonzero(np.diff(at) > min(sensed.gap_ns, SPARSE_NS))
-    gaps = np.stack([at[silent], at[silent + 1]], axis=1)
+    gaps = timespans.steps_where(at, np.diff(at) > min(sensed.gap_ns, SPARSE_NS))
     known = timespans.intersect([at[[0, -1]][None, :], base.known])
     left_out = timespans.merge(np.concatenate([gaps, walk.jumps.spans, walk.fallen]))
     known = timespans.subtract(known, left_out)

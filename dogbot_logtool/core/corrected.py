@@ -34,7 +34,6 @@ from dogbot_logtool.core.frames.wrench_frame import WrenchFrame
 from dogbot_logtool.core.known_frames import (
     Counts,
     KnownFrames,
-    WorldFrames,
     known_frames,
 )
 from dogbot_logtool.core.quality import TopicQuality, topic_quality
@@ -56,8 +55,8 @@ class Corrected(NamedTuple):
     settings: WalkSettings
     """With the clock that is used, how sensors read, and the frame of the forces."""
     frames: KnownFrames
-    turned: tuple[WorldFrames, Counts] | None
-    """How forces and positions were turned into the world; None: none was to be."""
+    turned: Counts
+    """How many forces and positions were turned into the world; empty: none was to be."""
     feet: tuple[FootHistory, ...]
     places: tuple[FootPath | None, ...]
     """Of each foot in the base's axes, where its messages tell that."""
@@ -206,12 +205,12 @@ def _corrected_samples(
 ) -> tuple[
     tuple[Samples, ...],
     tuple[FootPath | None, ...],
-    tuple[WorldFrames, Counts] | None,
+    Counts,
 ]:
     """Take off offsets, fill swings in, turn forces and places into the world.
 
     Returns:
-        samples and places of each foot, and how they were turned, as in `Corrected`.
+        samples and places of each foot, and how many were turned, as in `Corrected`.
     """
     feet = [
         without_offset(own, foot) for foot, own in zip(settings.feet, recording.feet, strict=True)
@@ -235,14 +234,14 @@ def _corrected_samples(
     turning = frames.follow(links, frames.in_base(settings))
     if turning is not None:
         samples, counts = turning.place(feet)
-        return samples, tuple(places), (turning, counts)
+        return samples, tuple(places), counts
     if not settings.contact_from:
         # Nothing turns these places into the world.
         feet = [
             replace(own, position=np.full_like(own.position, np.nan)) if path else own
             for own, path in zip(feet, places, strict=True)
         ]
-    return tuple(feet), tuple(places), None
+    return tuple(feet), tuple(places), {}
 
 
 def _vectors(

@@ -98,7 +98,7 @@ def find_events(walk: Walk) -> tuple[Event, ...]:
         stumbles = [each.onset_s for each in early if each.type == EventType.STUMBLE]
         found += [*early, *_scuffs(walk, row), *_slips(walk, row, stumbles)]
         found += _sensor_faults(walk, row)
-    return in_order(found, [foot.name for foot in walk.feet])
+    return in_order(found)
 
 
 def _event(
@@ -156,14 +156,12 @@ def _carried(walk: Walk) -> Iterator[Event]:
         return
     time, z = walk.base_history.time, walk.base_history.position[:, 2]
     stands = timespans.covers(timespans.merge(np.concatenate(down)), time)
-    for start, end in walk.standing.lifted.tolist():
+    lifted = walk.standing.lifted
+    for start, end in lifted[~timespans.touches(walk.jumps.spans, *lifted.T)].tolist():
         inside = (time >= start) & (time < end)
         near = (time >= start - BESIDE_NS) & (time < end + BESIDE_NS)
-        beside = stands & near & ~inside
-        jumps = timespans.touches(walk.jumps.spans, np.array([start]), np.array([end])).any()
-        if jumps or not beside.any() or not inside.any():
-            continue
-        rises_m = float(median_of(z[inside]) - median_of(z[beside]))
+        # Nothing is higher than a height that is not known.
+        rises_m = float(median_of(z[inside]) - median_of(z[stands & near & ~inside]))
         if rises_m > -LOWER_M:
             yield _event(walk, EventType.CARRIED, (start, end), None, rises_m, "m")
 
@@ -343,18 +341,15 @@ def _swings_s(stances: Stances, gaps: Ints) -> Floats:
     return swing
 
 
-def in_order(events: Iterable[Event], feet: Iterable[str]) -> tuple[Event, ...]:
-    """Return events in the order of time, then of types, then of feet."""
-    order = {None: -1} | {name: row for row, name in enumerate(feet)}
-    return tuple(
-        sorted(events, key=lambda each: (each.onset_s, _RANK[each.type], order[each.foot]))
-    )
+def in_order(events: Iterable[Event]) -> tuple[Event, ...]:
+    """Return events, of each type in the order of feet, in the order of time, then of types."""
+    return tuple(sorted(events, key=lambda each: (each.onset_s, _RANK[each.type])))
 
 
 def with_steps(metrics: WalkMetrics) -> tuple[Event, ...]:
     """Return all events of a walk: those of its metrics, and touchdowns and lift-offs."""
     steps = [each for name, foot in metrics.feet.items() for each in _steps(name, foot)]
-    return in_order([*metrics.events, *steps], metrics.feet)
+    return in_order([*metrics.events, *steps])
 
 
 def _steps(name: str, foot: Foot) -> Iterable[Event]:

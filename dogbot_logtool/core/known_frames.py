@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from dogbot_logtool.core.arrays import Flags, all_finite, median_of
+from dogbot_logtool.core.arrays import Flags, Ints, all_finite, median_of
 from dogbot_logtool.core.base.poses import Odometry
 from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.contact.contacts import Samples
@@ -28,7 +28,7 @@ from dogbot_logtool.core.frames.wrench_frame import (
     judge_wrench_frame,
 )
 from dogbot_logtool.core.recording import Recording
-from dogbot_logtool.core.rotations import conjugate, normalised, roll_pitch_yaw, rotate
+from dogbot_logtool.core.rotations import conjugate, rotate
 from dogbot_logtool.core.settings import WalkSettings
 
 _MOST_SAMPLES: Final = 2000
@@ -43,9 +43,9 @@ _FARTHEST_M: Final = 1.5
 Point = tuple[float, float, float]
 
 
-Counts = list[tuple[int, int]]
-"""How many forces were turned from a link's frame into the world, and were not; and how many
-samples without a contact point were placed where a frame is, and were not."""
+Counts = dict[str, Ints]
+"""How many ``forces`` were turned from a link's frame into the world, and were not; likewise
+``positions`` in a frame, and contacts without a point, put at the ``origins`` of frames."""
 
 
 class WorldFrames(NamedTuple):
@@ -62,14 +62,17 @@ class WorldFrames(NamedTuple):
 
     def place(self, feet: Sequence[Samples]) -> tuple[tuple[Samples, ...], Counts]:
         """Turn forces of each foot into the world and place its sensor, where frames tell."""
-        turned = [self._turn(*each) for each in zip(feet, self.links, strict=True)]
-        placed = [
-            self._put(samples, point)
-            for (samples, _), point in zip(turned, self.points, strict=True)
-        ]
-        parts = (np.concatenate([known for _, known in each]) for each in (turned, placed))
-        counts = [(int(known.sum()), int((~known).sum())) for known in parts]
-        return tuple(samples for samples, _ in placed), counts
+        placed, counts = [], Counts()
+        for each, link, point in zip(feet, self.links, self.points, strict=True):
+            own, turned = self._turn(each, link)
+            own, put = self._put(own, point)
+            placed.append(own)
+            at = point and ("positions" if point.recorded else "origins")
+            for what, known in ((link and "forces", turned), (at, put)):
+                if what:
+                    number = np.array([known.sum(), (~known).sum()])
+                    counts[what] = counts.get(what, 0) + number
+        return tuple(placed), counts
 
     def _poses(self, frame: str, samples: Samples) -> Poses:
         """Return where a frame is in the world when samples were taken."""
@@ -281,10 +284,3 @@ def _wrench_frame(
         pairs = zip(turned, some, strict=True)
         link = frame_fit(turned, [after.in_world & ~before.in_world for after, before in pairs])
     return judge_wrench_frame(frame_fit(some), link, settings.body_weight_n)
-
-
-def turned_deg(recording: Recording) -> float:
-    """Return the yaw of the base's first usable pose; 0 where none was seen."""
-    turns = recording.base.orientation
-    usable = np.flatnonzero(all_finite(turns) & (turns != 0.0).any(axis=1))[:1]
-    return float(np.degrees(roll_pitch_yaw(normalised(turns[usable]))[:, 2].sum()))

@@ -292,20 +292,16 @@ def swings(
 
 def is_slow(path: FootPath, contact_interval_s: float) -> bool:
     """Tell whether path or contacts are sampled too rarely for velocities at touchdown."""
-    if len(path.time) < 2 or contact_interval_s * 1e9 > SLOWEST_NS:
-        return True
-    return float(median_of(np.diff(path.time))) > SLOWEST_NS
+    intervals = contact_interval_s * 1e9, float(median_of(np.diff(path.time)))
+    return not all(each <= SLOWEST_NS for each in intervals)
 
 
 def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:
     """Return how high points lie above the line between two footfalls; shapes broadcast, m."""
-    displacement = after - before
-    squared = displacement[..., 0] ** 2 + displacement[..., 1] ** 2
-    since = position - before
-    along = since[..., 0] * displacement[..., 0] + since[..., 1] * displacement[..., 1]
+    since, displacement = position - before, after - before
+    along, squared = ((each * displacement)[..., :2].sum(axis=-1) for each in (since, displacement))
     share = np.clip(along / np.maximum(squared, 1e-6), 0.0, 1.0)
-    height: Floats = since[..., 2] - share * displacement[..., 2]
-    return height
+    return np.asarray(since[..., 2] - share * displacement[..., 2])
 
 
 def _approach(path: FootPath, strides: Strides, contact_interval_s: float) -> Floats:

@@ -40,11 +40,9 @@ class Hulls(NamedTuple):
 
     point: Floats
     """(2, feet, n) m; NaN where a foot is not down."""
-    along: Floats
-    """(2, feet, feet, n) m, from the one foot to the other."""
-    edge: Flags
-    """(feet, feet, n) whether an edge runs from the one foot to the other, counter-clockwise; both
-    ways between two feet, or the ends of a row of feet."""
+    following: Ints
+    """(feet, n) the next corner, counter-clockwise, from a foot on the hull's edge; -1: it is not.
+    Two feet, or the ends of a row of feet, follow each other."""
     area: Flags
     """(n,) whether the feet span an area."""
 
@@ -53,21 +51,26 @@ class Hulls(NamedTuple):
 def hulls(points: Floats) -> Hulls:
     """Find the convex hull of some points.
 
-    A pair of points is an edge of the hull where all other points lie to the left of the line
-    through them: for the few feet that a robot has, trying all pairs is the plainest way.
+    A pair of points is an edge of the hull where no other point lies to the right of the line
+    through them: for the few feet that a robot has, trying all pairs is the plainest way. Of the
+    points in a row along an edge, the furthest is the next corner.
 
     Args:
         points: (n, feet, 2) m; NaN where a foot is not down.
     """
     point = np.ascontiguousarray(points.T)
-    along = point[:, None] - point[:, :, None]
-    edge = (along != 0.0).any(axis=0) & np.isfinite(along[0])
-    area = np.zeros(len(points), np.bool_)
-    for first, away in enumerate(along.swapaxes(0, 1)):
-        sides = _cross(away[:, :, None], away[:, None])
-        edge[first] &= (np.isnan(sides) | (sides >= 0.0)).all(axis=1)
-        area |= (edge[first] & (sides > 0.0).any(axis=1)).any(axis=0)
-    return Hulls(point, along, edge, area)
+    longest, area = np.zeros(point.shape[1:]), np.zeros(len(points), np.bool_)
+    following = np.full(longest.shape, -1)
+    for first, corner in enumerate(point.swapaxes(0, 1)):
+        away = point - corner[:, None]
+        for second, along in enumerate(away.swapaxes(0, 1)):
+            sides = _cross(along[:, None], away)
+            edge = ~(sides < 0.0).any(axis=0)
+            area |= edge & (sides > 0.0).any(axis=0)
+            length = along[0] * along[0] + along[1] * along[1]
+            further = edge & (length > longest[first])
+            longest[first, further], following[first, further] = length[further], second
+    return Hulls(point, following, area)
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
@@ -81,12 +84,12 @@ def margin_in(hull: Hulls, body: Floats) -> Floats:
     Returns:
         (n,) m, positive inside, NaN where the points span no area.
     """
-    along, to = hull.along, (body.T[:, None] - hull.point)[:, :, None]
-    inside = (~hull.edge | (_cross(along, to) >= 0.0)).all(axis=(0, 1))
+    along = np.take_along_axis(hull.point, hull.following[None], axis=1) - hull.point
+    to, is_edge = body.T[:, None] - hull.point, hull.following >= 0
+    inside = (~is_edge | (_cross(along, to) >= 0.0)).all(axis=0)
     share = (along * to).sum(axis=0) / (along * along).sum(axis=0)
     away = to - np.clip(share, 0.0, 1.0) * along
-    reach = np.hypot(away[0], away[1])
-    distance = np.where(hull.edge, reach, np.inf).min(axis=(0, 1), initial=np.inf)
+    distance = np.where(is_edge, np.hypot(*away), np.inf).min(axis=0, initial=np.inf)
     return np.where(hull.area, np.where(inside, distance, -distance), np.nan)
 
 
@@ -98,8 +101,6 @@ def _cross(along: Floats, to: Floats) -> Floats:
 
 FEWEST_FEET: Final = 3
 """Feet that span a polygon."""
-_CHUNK_NUMBERS: Final = 500_000
-"""Pairs of feet, times instants, that are looked at in one go."""
 
 
 class Instants(NamedTuple):
@@ -192,26 +193,9 @@ def instants(
     known = timespans.intersect([base.known, *(foot.known for foot in feet)])
     sampled = feet[0].track.time[timespans.covers(known, feet[0].track.time)]
     time = sampled[first_at_each_tick(sampled, POINT_RATE_HZ)]
-    chunk = max(_CHUNK_NUMBERS // len(feet) ** 2, 1)
-    offset = np.array(com_offset_m, np.float64)
-    parts = [
-        _at(time[start : start + chunk], feet, base, forward_rad, offset)
-        for start in range(0, len(time), chunk)
-    ]
-    extent = np.array([[min(times), max(times)]], np.int64)
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return Instants(extent, known, time, *columns) if parts else None
-
-
-def _at(
-    time: Ints,
-    feet: Sequence[FootHistory],
-    base: BaseHistory,
-    forward_rad: float,
-    com_offset_m: Floats,
-) -> tuple[Flags | Floats, ...]:
-    """Measure at some instants, (n,) ns: the columns of `Instants` from `placed` on."""
-    body = base.point_at(time, com_offset_m)
+    if not len(time):
+        return None
+    body = base.point_at(time, np.array(com_offset_m, np.float64))
     points, load = feet_down(time, feet)
     hull, standing = hulls(points[:, :, :2]), np.isfinite(points[:, :, 0])
     down = np.stack([timespans.covers(foot.in_contact, time) for foot in feet], axis=1)
@@ -220,14 +204,17 @@ def _at(
     pressure = centre_of_pressure(points[:, :, :2], load)
     away = pressure - base.position_at(time)[:, :2]
     ahead, left = along_heading(away, base.yaw_at(time) + forward_rad).T
-    return (
-        placed,
-        margin,
-        energy_margin_in(hull, points, body, margin),
-        placed & (standing.sum(axis=1) >= FEWEST_FEET),
-        pressure,
-        np.where(placed, ahead, np.nan),
-        np.where(placed, left, np.nan),
+    return Instants(
+        extent=np.array([[min(times), max(times)]], np.int64),
+        known=known,
+        time=time,
+        placed=placed,
+        margin=margin,
+        energy=energy_margin_in(hull, points, body, margin),
+        polygon=placed & (standing.sum(axis=1) >= FEWEST_FEET),
+        pressure=pressure,
+        ahead=np.where(placed, ahead, np.nan),
+        left=np.where(placed, left, np.nan),
     )
 
 
@@ -279,9 +266,9 @@ def energy_margin_in(hull: Hulls, points: Floats, body: Floats, static: Floats) 
     Returns:
         (n,) m; NaN where the points span no area, or the body's ground projection is outside.
     """
-    first, second, row = np.nonzero(hull.edge)
-    start = points[row, first]
-    along, away = points[row, second] - start, body[row] - start
+    first, row = np.nonzero(hull.following >= 0)
+    start, end = points[row, first], points[row, hull.following[first, row]]
+    along, away = end - start, body[row] - start
     unit = along / norms(along)[:, None]
     reach = away - np.einsum("ij,ij->i", away, unit)[:, None] * unit
     least = np.full(len(body), np.inf)

@@ -104,6 +104,11 @@ def spans_where(edges: Ints, held: Flags) -> Ints:
     return edges[flagged_runs(held)]
 
 
+def steps_where(time: Ints, held: Flags) -> Ints:
+    """(k, 2) ns, the steps that hold, each by itself, of (n - 1,) from each time to the next."""
+    return np.stack([time[:-1][held], time[1:][held]], axis=1)
+
+
 def merge(spans: Ints) -> Ints:
     """Sort spans and join those that overlap or touch."""
     spans = spans[spans[:, 1] > spans[:, 0]]

@@ -9,6 +9,7 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, picked
 from dogbot_logtool.core.clock import (
     WINDOW_NS,
@@ -126,8 +127,7 @@ class CommandTrack(NamedTuple):
     @property
     def breaks(self) -> Ints:
         """(b, 2) ns, holes between neighbouring times, over which no line leads."""
-        rows = np.flatnonzero(np.diff(self.time) > 1.5e9 / TRACKING_HZ)
-        return np.stack([self.time[rows], self.time[rows + 1]], axis=1)
+        return timespans.steps_where(self.time, np.diff(self.time) > 1.5e9 / TRACKING_HZ)
 
     def errors(self, axis: int) -> tuple[Number, Number, Number, Number]:
         """Return means of command and measurement, mean and rms of measured less commanded."""

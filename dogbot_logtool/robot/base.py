@@ -15,8 +15,9 @@ from dogbot_logtool.io.storage import name_of
 from dogbot_logtool.reader.containers.log import Log
 from dogbot_logtool.reader.messages.bases import ODOMETRY_TYPE, choices, path_source
 from dogbot_logtool.reader.messages.message_type import MessageType
+from dogbot_logtool.reader.messages.messages import without_sender
 from dogbot_logtool.reader.messages.others import is_static
-from dogbot_logtool.reader.messages.source import Source, Topic, without_sender
+from dogbot_logtool.reader.messages.source import Source, Topic
 from dogbot_logtool.reader.messages.table import types_of
 from dogbot_logtool.robot.robot import Robot
 from dogbot_logtool.robot.topics import (

@@ -57,8 +57,12 @@ export TROT -o x.xlsx | x.xlsx: must end in .csv, .parquet, .arrow, .feather
 export TROT --overwrite | --overwrite goes with -o FILE
 export TROT --prune | --prune goes with --dataset
 export TROT --dataset walks --table base | --table goes without --dataset
+export TROT --dataset walks --label firmware | must be NAME=VALUE
+export TROT --dataset walks --label a=1 --label a=2 | a is there twice
 compare TROT | Missing argument 'ACTUAL'
 compare TROT WALK --mass 20 | --mass says how logs are measured: it goes with --gait
+compare TROT WALK --junit TROUBLED | exists already; --overwrite replaces it
+compare TROT WALK --junit WALK --overwrite | is the input itself
 compare TROT WALK --gait --atol 1 | --atol has no meaning with --gait
 layout --viewer rerun | 'rerun' is not one of 'foxglove', 'rviz'
 layout -o x/ | is a directory's name

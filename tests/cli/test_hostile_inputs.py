@@ -6,7 +6,6 @@ Each call ends in bounded time and memory, with an exit code and a sentence.
 import os
 import re
 import resource
-import sqlite3
 from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -19,10 +18,10 @@ from tests.forked_cli import run
 from tests.oracles.recorded import unpacked
 from tests.oracles.walks import Entry, Walk, write_mcap
 from tests.paths import TROT, TROUBLED
-from tests.reader import bag_bytes, mcap_bytes
+from tests.reader import bag_bytes, mcap_bytes, sqlite_files
 from tests.reader.mcap_bytes import MAGIC, channel, file_header, schema, small_mcap
 from tests.shell import Shell, python
-from tests.torture.commands import COMMANDS
+from tests.torture.test_commands import COMMANDS
 
 # --- Logs that describe thousands of topics, or whose spans and counts are odd --------------------
 
@@ -63,15 +62,8 @@ def many_connections(path: Path, count: int) -> None:
 
 
 def many_rows(path: Path, count: int) -> None:
-    connection = sqlite3.connect(path)
-    connection.execute("CREATE TABLE topics (id INTEGER PRIMARY KEY, name, type)")
-    connection.execute("CREATE TABLE messages (topic_id, timestamp, data)")
-    numbers = range(1, count + 1)
-    connection.executemany("INSERT INTO topics VALUES (?, ?, 'a/msg/B')", [(n, n) for n in numbers])
-    connection.execute("UPDATE topics SET name = '/' || name")
-    connection.executemany("INSERT INTO messages VALUES (?, ?, x'00')", [(n, n) for n in numbers])
-    connection.commit()
-    connection.close()
+    topics = "INSERT INTO topics SELECT id + 1, '/' || id, 'a/msg/B', 'cdr' FROM messages"
+    sqlite_files.make(path, topics, "UPDATE messages SET topic_id = id + 1", rows=count)
 
 
 MANY_TOPICS: Final[dict[str, tuple[Writer, int]]] = {

@@ -5,17 +5,15 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mcap.writer import CompressionType
 
 import dogbot_logtool as dl
-from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from tests.commands.test_convert import chunks_of, codes, converted, opening_of
 from tests.oracles import base_walks, recorded, small_logs, walks
-from tests.oracles.annotated_file import Written, described_robots, read_written, written_loads
+from tests.oracles.annotated_file import described_robots, read_written, written_loads
 from tests.oracles.recorded import FEET, ODOMETRY, S
 from tests.oracles.walks import Entry
 from tests.paths import TROUBLED, WALK
@@ -43,41 +41,26 @@ def test_recorded_messages_are_copied_byte_for_byte(
 ) -> None:
     done = converted(log, compression=compression)
     assert rows(log, profile) <= rows(done.path, profile)
-    annotated = sum(done.conversion.annotations.values())
-    assert (
-        done.conversion.copied
-        == len(recorded.read_log(log))
-        == len(done.written.messages) - annotated
-    )
+    assert done.conversion.copied == len(recorded.read_log(log))
     assert described_robots(done.written) == [(opening_of(log), "dogbot")]
     name = "" if compression == "none" else (compression or "zstd")
     assert set(done.written.chunk_compressions) == {name}
     assert done.written.profile == profile
 
 
-def done(log: Path, **options: Any) -> tuple[Conversion, Written]:
-    """Convert a log; the file has all that the result counts."""
-    target = log.with_name("out.mcap")
-    conversion = dl.convert(log, target, **options)
-    written = read_written(target)
-    annotated = sum(conversion.annotations.values())
-    assert len(written.messages) == conversion.copied + annotated
-    return conversion, written
-
-
 def test_mcap_extras_are_copied_with_the_messages(tmp_path: Path) -> None:
     """To the byte, also metadata that are no text; a damaged attachment is left out."""
     log = small_logs.write_ros1_mcap(tmp_path / "log.mcap", small_logs.small_walk(), extras=True)
-    _, written = done(log, compression="none")
-    recorded = read_written(log)
+    recorded, written = read_written(log), converted(log, compression="none").written
     assert len(recorded.attachments) == 2
     assert written.attachments == recorded.attachments
     assert written.metadata[:-1] == recorded.metadata
     own = [c for c in written.channels.values() if c.metadata == {"callerid": "/tests"}]
     assert len(own) == 2
     assert {m.sequence for m in written.messages} == {0, 3}
-    conversion, written = done(log, copy=False, overwrite=True)
-    assert (conversion.copied, written.attachments) == (0, [])
+    bare = converted(log, copy=False)
+    written = bare.written
+    assert (bare.conversion.copied, written.attachments) == (0, [])
     assert [metadata.name for metadata in written.metadata] == ["dogbot_logtool"]
 
     data = log.read_bytes().replace(b"weather", b"w\xffather")
@@ -114,17 +97,15 @@ def walk(tmp_path: Path) -> Path:
     ],
 )
 def test_topics_are_left_out_and_annotations_stay(
-    walk: Path, tmp_path: Path, topics: tuple[str, ...], copied: set[str], said: str
+    walk: Path, topics: tuple[str, ...], copied: set[str], said: str
 ) -> None:
-    whole, part = tmp_path / "whole.mcap", tmp_path / "part.mcap"
-    dl.convert(walk, whole)
-    done = dl.convert(walk, part, topics=topics)
-    written = read_written(part)
+    whole, done = converted(walk), converted(walk, topics=topics)
+    written = done.written
     missing = {"/odom", *CONTACT_TOPICS} - copied
-    expected = {name: n for name, n in read_written(whole).topics.items() if name not in missing}
+    expected = {name: n for name, n in whole.written.topics.items() if name not in missing}
     assert written.topics == expected
-    assert done.copied == 200 * len(copied)
-    (text,) = [finding.text for finding in done.findings if finding.code == "COPY"]
+    assert done.conversion.copied == 200 * len(copied)
+    (text,) = [finding.text for finding in done.conversion.findings if finding.code == "COPY"]
     assert text.startswith(said)
     told = written.metadata[-1].metadata
     named = [told.get("topics", ""), *(f"!{each}" for each in told.get("without", "").split())]
@@ -133,8 +114,7 @@ def test_topics_are_left_out_and_annotations_stay(
 
 def test_transforms_that_are_left_out_are_written_anew(tmp_path: Path) -> None:
     path = base_walks.write(tmp_path / "walk.mcap", "tf2_msgs/TFMessage", "/tf")
-    done = dl.convert(path, tmp_path / "part.mcap", topics=("!/tf",))
-    assert done.annotations["/tf"] > 100
+    assert converted(path, topics=("!/tf",)).conversion.annotations["/tf"] > 100
 
 
 # --- What is missing or broken --------------------------------------------------------------------
@@ -142,7 +122,7 @@ def test_transforms_that_are_left_out_are_written_anew(tmp_path: Path) -> None:
 
 def test_feet_only(tmp_path: Path) -> None:
     entries = [entry for entry in small_logs.small_walk() if entry.topic != ODOMETRY]
-    conversion, _ = done(small_logs.write_bag(tmp_path / "log.bag", entries))
+    conversion = converted(small_logs.write_bag(tmp_path / "log.bag", entries)).conversion
     assert "NO_BASE" in codes(conversion)
     assert conversion.annotations[recorded.arrow_topic("front_left")] == 250
     assert "/tf" not in conversion.annotations
@@ -153,7 +133,7 @@ def test_feet_only(tmp_path: Path) -> None:
 @pytest.mark.parametrize("tf", ["auto", "never"])
 def test_odometry_only(tmp_path: Path, tf: str) -> None:
     entries = [entry for entry in small_logs.small_walk() if entry.topic == ODOMETRY]
-    conversion, _ = done(small_logs.write_bag(tmp_path / "log.bag", entries), tf=tf)
+    conversion = converted(small_logs.write_bag(tmp_path / "log.bag", entries), tf=tf).conversion
     assert "NO_FEET" in codes(conversion)
     written = {topic: count for topic, count in conversion.annotations.items() if count}
     assert written == {recorded.DESCRIPTION: 1} | ({"/tf": 50} if tf == "auto" else {})
@@ -171,7 +151,8 @@ def test_malformed_messages_cost_one_message_each(tmp_path: Path) -> None:
     broken = next(i for i, e in enumerate(entries) if i > 200 and e.kind == recorded.CONTACTS_TYPE)
     entries[broken] = entries[broken]._replace(data=entries[broken].data[:-3])
     log = small_logs.write_bag(tmp_path / "log.bag", entries)
-    conversion, written = done(log)
+    done = converted(log)
+    conversion, written = done.conversion, done.written
     assert conversion.damage.exit_code == 3
     assert conversion.copied == len(entries)
     lost = conversion.damage.losses
@@ -184,8 +165,7 @@ def test_malformed_messages_cost_one_message_each(tmp_path: Path) -> None:
     provenance = written.metadata[-1].metadata
     assert provenance["lost_messages"] == "2"
     assert recorded.contact_topic("front_left") in provenance["damage"]
-    never, _ = done(log, tf="never", overwrite=True)
-    assert never.damage.losses == lost
+    assert converted(log, tf="never").conversion.damage.losses == lost
 
 
 @pytest.mark.parametrize(
@@ -206,7 +186,7 @@ def test_a_batch_of_which_nothing_can_be_decoded(
     lost = [each for each in entries if each.topic in bad and first <= each.log_time < last]
     cut = [each._replace(data=each.data[:11]) if each in lost else each for each in entries]
     walks.write_mcap(path, walk, cut, chunk_size=20_000)
-    conversion, _ = done(path, robot=str(walks.robot_file(tmp_path, kind)))
+    conversion = converted(path, robot=str(walks.robot_file(tmp_path, kind))).conversion
     assert sum(loss.messages or 0 for loss in conversion.damage.losses) == len(lost)
     assert all("could not be decoded" in loss.what for loss in conversion.damage.losses)
 
@@ -237,10 +217,8 @@ def test_a_load_is_unknown_from_when_the_next_message_is_due(
         for topic, kind, times in topics
         for time in (start + 1_000_000 * each for each in times)
     ]
-    _, written = done(
-        small_logs.write_bag(tmp_path / "log.bag", sorted(entries, key=lambda e: e.log_time))
-    )
-    loads = written_loads(written, "front_left", "foxglove")
+    log = small_logs.write_bag(tmp_path / "log.bag", sorted(entries, key=lambda e: e.log_time))
+    loads = written_loads(converted(log).written, "front_left", "foxglove")
     unknown = [load for load in loads if load.state == "unknown"]
     assert all(math.isnan(load.force) for load in unknown)
     assert [(load.log_time - start) // 1_000_000 for load in unknown] == unknown_ms
@@ -255,11 +233,12 @@ def test_a_chunk_whose_checksum_fails_is_left_out(tmp_path: Path) -> None:
     count, data = len(chunks_of(log)), bytearray(log.read_bytes())
     data[data.index(b"ground_plane", len(data) // 2)] ^= 1
     log.write_bytes(data)
-    conversion, _ = done(log, compression="none")
+    done = converted(log, compression="none")
+    conversion = done.conversion
     assert conversion.damage.exit_code == 3
     (loss,) = conversion.damage.losses
     assert loss.messages
     assert conversion.copied == 500 - loss.messages
     assert "checksum" in loss.what
-    kept = [c for c in chunks_of(tmp_path / "out.mcap") if c in chunks_of(log)]
+    kept = [c for c in chunks_of(done.path) if c in chunks_of(log)]
     assert len(kept) == count - 1

@@ -18,7 +18,7 @@ from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from tests.commands.test_convert import codes, converted
 from tests.measured import walk_of
 from tests.oracles import recorded, walks
-from tests.oracles.annotated_file import read_written, written_transforms
+from tests.oracles.annotated_file import Written, read_written, written_transforms
 from tests.oracles.conversion import xyz
 from tests.oracles.frames import Frames, turn_of
 from tests.oracles.recorded import S
@@ -67,8 +67,8 @@ def test_support_is_that_of_the_feet_that_stand(
     tmp_path: Path, base: Vector, given: dict[str, str]
 ) -> None:
     log = write_standing_log(tmp_path / "log.mcap", base, NEWTONS, {"back_left": SILENT_S})
-    done = dl.convert(log, tmp_path / "out.mcap", encoding="ros2", copy=False, set=given)
-    found = read_written(tmp_path / "out.mcap").decoded("/support")
+    done = converted(log, encoding="ros2", copy=False, set=given)
+    found = done.written.decoded("/support")
     assert [log_time for log_time, _ in found] == [START + n * S // 50 for n in range(50)]
     unknown = 0
     for log_time, scene in found:
@@ -88,7 +88,7 @@ def test_support_is_that_of_the_feet_that_stand(
         centre = np.average([PLACES[foot] for foot in down], axis=0, weights=weights)
         np.testing.assert_allclose(pressure, [centre], atol=1e-6)
         np.testing.assert_allclose(projection, [(*LEANING[:2], 0.0)], atol=1e-12)
-    assert done.counts["support_unknown"] == unknown > 2
+    assert done.conversion.counts["support_unknown"] == unknown > 2
 
 
 def assert_standing(feet: Sequence[str], outline: Sequence[Vector], colour: Any) -> None:
@@ -110,25 +110,24 @@ def test_some_feet_have_no_support(tmp_path: Path, cause: str) -> None:
         options = {"robot": "generic", "foot": feet}
     else:
         log = walks.write_walk(tmp_path, "geometry_msgs/msg/WrenchStamped", "bag")
-    done = dl.convert(log, tmp_path / "out.mcap", **options)
+    done = converted(log, **options).conversion
     assert "/support" not in done.annotations
     (finding,) = [one for one in done.findings if one.code == "NO_SUPPORT_DRAWN"]
     assert cause in finding.text
 
 
-def test_it_lasts_until_it_is_drawn_anew(tmp_path: Path) -> None:
+def test_it_lasts_until_it_is_drawn_anew() -> None:
     log = first_seconds(TROT)
-    dl.convert(log, tmp_path / "out.mcap", copy=False, tf_rate=1.0)
-    for _, message in read_written(tmp_path / "out.mcap").decoded("/support"):
+    for _, message in converted(log, copy=False, tf_rate=1.0).written.decoded("/support"):
         assert message.entities[0].lifetime.ToNanoseconds() == 2 * S
 
 
 # --- Links that joint states move -----------------------------------------------------------------
 
 
-def moved(path: Path, encoding: str) -> Frames:
+def moved(written: Written, encoding: str) -> Frames:
     """The links of a converted log; all of them at every time, and at its first time."""
-    frames, written = Frames(), read_written(path)
+    frames = Frames()
     for names, poses in written_transforms(written, "/tf", encoding):
         if len(poses) > 1:
             for (parent, child), pose in zip(names, poses, strict=True):
@@ -148,9 +147,9 @@ def test_links_are_where_the_engine_has_them(
     described = truth if is_own else replace(truth, parts=())
     log = physics.write_log(tmp_path / "log.mcap", described, by_transforms=False)
     given = None if is_own else file
-    done = dl.convert(log, tmp_path / "out.mcap", encoding=encoding, urdf=given)
-    assert "ROBOT_DESCRIPTION" in codes(done)
-    frames = moved(tmp_path / "out.mcap", encoding)
+    done = converted(log, encoding=encoding, urdf=given)
+    assert "ROBOT_DESCRIPTION" in codes(done.conversion)
+    frames = moved(done.written, encoding)
     assert len(frames.parents) == 16
     assert len(frames.times["FL_calf"]) == 175
     for time in frames.times["FL_calf"][::10]:
@@ -196,9 +195,9 @@ def test_only_joints_of_the_base_s_links_move_a_description(tmp_path: Path) -> N
 
 def test_feet_that_tell_contact_only_have_loads_that_say_stance_and_swing(tmp_path: Path) -> None:
     log = walks.write_walk(tmp_path, "champ_msgs/msg/ContactsStamped", "mcap")
-    dl.convert(log, tmp_path / "out.mcap", copy=False)
+    loads = converted(log, copy=False).written.decoded("/load/front_left")
     found: Counter[tuple[str, bool]] = Counter()
-    for log_time, load in read_written(tmp_path / "out.mcap").decoded("/load/front_left"):
+    for log_time, load in loads:
         down = walks.TOUCHES["front_left"][(log_time - walks.START) // walks.STEP]
         found[load.state, bool(down)] += 1
     assert found["stance", True] == int(walks.TOUCHES["front_left"].sum())
@@ -211,8 +210,7 @@ def test_feet_that_tell_contact_only_have_loads_that_say_stance_and_swing(tmp_pa
 
 def test_lines_lead_to_the_feet_that_stand(tmp_path: Path) -> None:
     log = write_standing_log(tmp_path / "log.mcap")
-    dl.convert(log, tmp_path / "out.mcap", encoding="ros2", copy=False)
-    legs = read_written(tmp_path / "out.mcap").decoded("/legs")
+    legs = converted(log, encoding="ros2", copy=False).written.decoded("/legs")
     assert legs[0][0] == START
     assert len(legs) == 50
     for log_time, message in legs:
@@ -243,48 +241,34 @@ def test_a_topic_that_is_taken_twice_is_moved_twice(tmp_path: Path) -> None:
     )
     entries = [Entry(topic, recorded.TEXT_TYPE, 10 * S, text("mine")) for topic in taken]
     log = write_bag(tmp_path / "log.bag", [*entries, *small_walk(0.2)])
-    conversion = dl.convert(log, tmp_path / "out.mcap")
+    done = converted(log)
+    conversion = done.conversion
     topic = "/dogbot_logtool/dogbot_logtool/load/front_left"
     assert conversion.annotations[topic] == 51  # with the first time's
-    loads = read_written(tmp_path / "out.mcap").decoded(topic)
+    loads = done.written.decoded(topic)
     assert {load.in_contact for _, load in loads} == {True, False}
     (moved,) = [finding for finding in conversion.findings if finding.code == "TOPIC_MOVED"]
     assert moved.where == topic
     assert "/load/front_left" in moved.text
 
 
-# --- A second parent ------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def second_parent(tmp_path: Path) -> Path:
-    """A walk of which a transform, too, says once where the base is."""
+@pytest.mark.parametrize(
+    ("options", "topic"),
+    [({}, ""), ({"tf": "always"}, "/dogbot_logtool/tf"), ({"copy": False}, "/tf")],
+)
+def test_a_second_parent_is_noticed_where_it_is_copied(
+    tmp_path: Path, options: dict[str, Any], topic: str
+) -> None:
+    """A transform, too, says once where the base is; with --tf always ours are written anyway."""
     time = 10 * S + 100_000_000
     sent = Entry("/tf", recorded.TF_TYPE, time, transform(time, "/map", "base_link"))
     entries = sorted([*small_walk(), sent], key=lambda entry: entry.log_time)
-    return write_bag(tmp_path / "log.bag", entries)
-
-
-def test_a_second_parent_is_noticed(second_parent: Path) -> None:
-    target = second_parent.with_suffix(".mcap")
-    conversion = dl.convert(second_parent, target)
-    assert not [topic for topic in conversion.annotations if topic.endswith("/tf")]
-    assert read_written(target).encodings("/tf") == {"ros1"}
-    (finding,) = [f for f in conversion.findings if f.code == "TF_NOT_WRITTEN"]
-    assert "base_link a parent (map)" in finding.text
+    conversion = converted(write_bag(tmp_path / "log.bag", entries), **options).conversion
+    written = {name: n for name, n in conversion.annotations.items() if name.endswith("/tf")}
+    assert written == ({topic: 50} if topic else {})
+    told = [finding.text for finding in conversion.findings if finding.code == "TF_NOT_WRITTEN"]
+    assert ["base_link a parent (map)" in text for text in told] == [True] * (not topic)
     assert conversion.annotations[recorded.arrow_topic("front_left")] == 250
-
-
-@pytest.mark.parametrize(
-    ("options", "topic"), [({"tf": "always"}, "/dogbot_logtool/tf"), ({"copy": False}, "/tf")]
-)
-def test_a_parent_that_is_not_copied_is_no_second_one(
-    second_parent: Path, options: dict[str, Any], topic: str
-) -> None:
-    """Nor is one where transforms are written in any case."""
-    conversion = dl.convert(second_parent, second_parent.with_suffix(".mcap"), **options)
-    assert conversion.annotations[topic] == 50
-    assert "TF_NOT_WRITTEN" not in codes(conversion)
 
 
 # --- Events ---------------------------------------------------------------------------------------

@@ -12,9 +12,8 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from mcap.writer import Writer
 from mcap_protobuf.schema import build_file_descriptor_set
 
-from dogbot_logtool.commands.compare import compare
+import dogbot_logtool as dl
 from dogbot_logtool.comparison.outcome import Comparison
-from dogbot_logtool.options.compare import CompareOptions
 from tests.oracles.walks import Walk
 
 START = 1_700_000_000_000_000_000
@@ -144,14 +143,17 @@ def one_topic(kind: Kind, *payloads: bytes) -> Recording:
 
 
 def compared(
-    folder: Path, expected: Recording | Path, actual: Recording | Path, **options: Any
+    folder: Path, expected: Recording | Path | str, actual: Recording | Path | str, **options: Any
 ) -> Comparison:
-    """Write what is not written yet, and compare."""
-    one, other = (
-        side if isinstance(side, Path) else side.write(folder / f"{name}.mcap")
-        for name, side in (("expected", expected), ("actual", actual))
-    )
-    result = compare(one, other, CompareOptions(**options))
+    """Write what is not written yet, texts as they are, and compare."""
+    files = []
+    for name, side in (("expected", expected), ("actual", actual)):
+        files.append(side if isinstance(side, Path) else folder / name)
+        if isinstance(side, str):
+            files[-1].write_text(side)
+        elif isinstance(side, Recording):
+            side.write(files[-1])
+    result = dl.compare(*files, **options)
     assert result.same == (not result.difference_count)
     return result
 
@@ -160,17 +162,12 @@ def lines(result: Comparison) -> list[str]:
     return [difference.line for difference in result.differences]
 
 
-def counts(result: Comparison, name: str = "/a") -> tuple[int, int, int, int, int, int, int]:
-    """Messages expected, actual, equal, within tolerance, different, missing and extra."""
+COUNTS = ("expected", "actual", "equal", "within_tolerance", "different", "missing", "extra")
+
+
+def counts(result: Comparison, name: str = "/a") -> tuple[int, ...]:
+    """Return the `COUNTS` of messages."""
     one = next(tally for tally in result.tallies if tally.name == name)
     paired = one.equal + one.within_tolerance + one.different
     assert (one.expected, one.actual) == (paired + one.missing, paired + one.extra)
-    return (
-        one.expected,
-        one.actual,
-        one.equal,
-        one.within_tolerance,
-        one.different,
-        one.missing,
-        one.extra,
-    )
+    return tuple(getattr(one, each) for each in COUNTS)

@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 import dogbot_logtool as dl
-from dogbot_logtool.comparison.outcome import Comparison
-from tests.comparison.recordings import lines
+from tests.comparison.recordings import compared, lines
 
 Q = '{"x": 0.1, "y": 0.2, "z": -0.3, "w": 0.9}'
 """A quaternion, and the same rotation."""
@@ -193,10 +192,3 @@ def test_values_are_counted_by_part(tmp_path: Path) -> None:
     (array,) = compared(tmp_path, '{"a": [1, 2]}', '{"a": [1]}').tallies
     assert (array.equal, array.missing, array.extra) == (1, 1, 0)
     assert "neither file has any values" in compared(tmp_path, "{}", "{}").warnings[0]
-
-
-def compared(folder: Path, one: str, two: str, **options: Any) -> Comparison:
-    files = folder / "one.json", folder / "two.json"
-    for file, text in zip(files, (one, two), strict=True):
-        file.write_text(text)
-    return dl.compare(*files, **options)

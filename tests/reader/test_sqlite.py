@@ -120,6 +120,13 @@ def test_pages_that_are_shared_end_the_reading(tmp_path: Path, table: str) -> No
     assert "its pages are used more than once" in said
 
 
+def test_tables_that_begin_with_one_page_are_damaged(tmp_path: Path) -> None:
+    change = "UPDATE sqlite_master SET rootpage = 1 WHERE name = 'messages'"
+    reading = read_file(make(tmp_path / "log.db3", "PRAGMA writable_schema = ON", change))
+    assert "its pages are used more than once" in reading.sentences
+    assert reading.lost is None
+
+
 def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:
     path = make(tmp_path / "log.db3", "PRAGMA journal_mode = DELETE")
     connection = sqlite3.connect(path)
@@ -140,8 +147,8 @@ def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:
     assert "the database is damaged" in reading.sentences
 
 
-@pytest.mark.parametrize("which", [0, 4, -1])
-def test_rows_behind_a_damaged_page_are_read(tmp_path: Path, which: int) -> None:
+@pytest.mark.parametrize(("which", "kept"), [(0, 0), (4, 0), (-1, 0), (4, 1)])
+def test_rows_behind_a_damaged_page_are_read(tmp_path: Path, which: int, kept: int) -> None:
     count = 300
     path = make(tmp_path / "log.db3", rows=count, page_size=PAGE)
     _, pages, _ = tree(path, "messages")
@@ -149,7 +156,7 @@ def test_rows_behind_a_damaged_page_are_read(tmp_path: Path, which: int) -> None
     data = bytearray(path.read_bytes())
     start = (pages[which] - 1) * PAGE
     (lost,) = struct.unpack_from(">H", data, start + 3)
-    data[start : start + PAGE] = b"\0" * PAGE
+    data[start + kept : start + PAGE] = bytes(PAGE - kept)
     path.write_bytes(data)
 
     reading = read_file(path)

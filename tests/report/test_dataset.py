@@ -73,13 +73,9 @@ def test_a_place_that_cannot_be_a_dataset_is_refused_at_once(tmp_path: Path) -> 
     assert done.returncode == 2
     assert "must be UTF-8" in done.stderr
     (tmp_path / "older" / "walks" / "logs" / "robot=dogbot").mkdir(parents=True)
-    for words, why in (
-        ([], "is of an older version of this program"),
-        (["--label", "firmware"], "must be NAME=VALUE"),
-        (["--label", "a=1", "--label", "a=2"], "a is there twice"),
-    ):
-        done = export(tmp_path / "older", short(), *words)
-        assert (done.returncode, why in done.stderr) == (2, True)
+    done = export(tmp_path / "older", short())
+    assert done.returncode == 2
+    assert "is of an older version of this program" in done.stderr
 
 
 def test_rows_hold_what_the_json_says(tmp_path: Path) -> None:

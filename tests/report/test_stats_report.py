@@ -17,7 +17,7 @@ import dogbot_logtool as dl
 from dogbot_logtool.core.metrics import NEEDS, WalkMetrics
 from dogbot_logtool.core.records import to_json
 from dogbot_logtool.core.walk import Walk
-from dogbot_logtool.finding import Finding, finding_kinds
+from dogbot_logtool.finding import Finding
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import schema, stats_json
@@ -78,11 +78,9 @@ def valid_json(done: Measurement) -> dict[str, Any]:
     return loaded
 
 
-def text_of(done: Measurement, width: int, *, colour: bool = False, verbose: bool = False) -> str:
+def text_of(done: Measurement, width: int, *, verbose: bool = False) -> str:
     file = io.StringIO()
-    system: Any = "standard" if colour else None
-    console = Console(file=file, width=width, force_terminal=colour, color_system=system)
-    print_report(console, done, verbose=verbose)
+    print_report(Console(file=file, width=width), done, verbose=verbose)
     return file.getvalue()
 
 
@@ -119,20 +117,6 @@ def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut_short(
             assert len(lines) <= 40
 
 
-def test_the_answers_stand_in_the_order_of_the_questions() -> None:
-    text = text_of(measured(TROT), 100)
-    lines = text.splitlines()
-    assert lines[0].startswith("dogbot_trot.bag: ROS 1 bag, 8.0 s, 12,009 messages")
-    assert lines[2].startswith("Gait: trot (high confidence: ")
-    assert lines[4] == "Data quality: OK (11 checks passed)"
-    words = ("front_left", "clearance", "Support", "Load check", "Base", "Events", "notes (-v)")
-    places = [text.index(word) for word in words]
-    assert places == sorted(places)
-    coloured = text_of(measured(TROT), 100, colour=True)
-    assert "\x1b[" in coloured
-    assert all(word in coloured for word in words)
-
-
 def test_what_is_wrong_is_said_worst_first_with_what_to_do() -> None:
     text = " ".join(text_of(measured(TROUBLED), 100).split())
     assert "Data quality: DOUBTFUL (7 warnings, 4 of 9 checks passed" in text
@@ -149,11 +133,6 @@ def test_what_the_reader_lost_and_found_is_in_the_quality() -> None:
     document = valid_json(done)
     assert (document["log"]["lost_messages"], document["log"]["lost_bytes"]) == (None, 77)
     assert [each["code"] for each in document["findings"][:2]] == ["UNREADABLE", "LOST"]
-    remedy = finding_kinds()["UNREADABLE"].remedy
-    assert document["findings"][0] == {
-        "code": "UNREADABLE", "severity": "error", "text": "bad", "remedy": remedy, "where": "/x",
-        "voids": [],
-    }  # fmt: skip
     text = text_of(done, 140)
     assert "unknown number of messages and 77 bytes" in text
     assert "Data quality: DAMAGED" in text
@@ -267,6 +246,7 @@ def test_a_terminal_shows_in_the_end_what_a_pipe_gets(
     screen = pyte.Screen(160, 200)
     pyte.Stream(screen).feed(shown.decode())
     assert b"\x1b[2K" in shown, "no progress was shown"
+    assert re.search(rb"\x1b\[[\d;]*3\dm", shown), "nothing has a colour"
     assert [line.rstrip() for line in screen.display if line.strip()] == [
         line.rstrip() for line in done.stdout.splitlines() if line.strip()
     ]

@@ -3,8 +3,11 @@
 import os
 import signal
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+import psutil
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.run.runner import OnProgress
@@ -73,8 +76,6 @@ def wait_for_the_end_of(*processes: int) -> None:
 
 
 def _is_running(process: int) -> bool:
-    try:
-        status = Path(f"/proc/{process}/stat").read_text(encoding="utf-8")
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return status.rpartition(")")[2].split()[0] != "Z"
+    with suppress(psutil.NoSuchProcess):
+        return psutil.Process(process).status() != psutil.STATUS_ZOMBIE
+    return False

@@ -196,6 +196,10 @@ GRAVITY_IS: Final = (7.0, 13.0)
 """m/s^2: an accelerometer that usually reads less or more tells nothing of gravity."""
 
 
+BY_FEET: Final = "the feet alone"
+BY_GYROSCOPE: Final = "a gyroscope"
+
+
 class Inertial(NamedTuple):
     """An inertial unit's readings at n times, along the base's axes."""
 
@@ -205,8 +209,10 @@ class Inertial(NamedTuple):
     """(n, 3) m/s^2, accelerations without gravity's: at rest, gravity upwards."""
     up: Floats
     """(n, 3) unit vectors against gravity."""
-    tells_up: bool
+    tells_up: bool = False
     """Whether the accelerometer tells of gravity; else the base is taken as level."""
+    turns_from: str = BY_FEET
+    """What tells the turns."""
 
     @property
     def roll_pitch(self) -> Floats:
@@ -223,7 +229,7 @@ class Inertial(NamedTuple):
 def level(times: int) -> Inertial:
     """Return what a base that stays level and does not turn would read at some times."""
     up = np.tile([0.0, 0.0, 1.0], (times, 1))
-    return Inertial(np.zeros((times, 3)), GRAVITY_MPS2 * up, up, tells_up=False)
+    return Inertial(np.zeros((times, 3)), GRAVITY_MPS2 * up, up)
 
 
 def inertial_at(at: Ints, time: Ints, acceleration: Floats, turn: Floats) -> Inertial:
@@ -247,9 +253,10 @@ def inertial_at(at: Ints, time: Ints, acceleration: Floats, turn: Floats) -> Ine
     reads = float(median_of(norms(gravity)))
     rates, felt = (means(time, each, at, SHORT_NS) for each in (turn, acceleration))
     if not GRAVITY_IS[0] <= reads <= GRAVITY_IS[1]:
-        return level(len(at))._replace(turn=rates)
+        return level(len(at))._replace(turn=rates, turns_from=BY_GYROSCOPE)
     up = interpolated(at, ticks, gravity)
-    return Inertial(rates, felt, up / norms(up)[:, None], tells_up=True)
+    up /= norms(up)[:, None]
+    return Inertial(rates, felt, up, tells_up=True, turns_from=BY_GYROSCOPE)
 
 
 def turns_and_up(

@@ -161,22 +161,6 @@ def froude_number(speed_mps: float | None, height_m: float | None) -> float | No
     return speed_mps**2 / (GRAVITY_MPS2 * height_m)
 
 
-def stride_lengths(base: BaseHistory, touchdown: Ints, end: Ints) -> Floats:
-    """Return the horizontal distance of the base between consecutive touchdowns of a foot.
-
-    Args:
-        base: poses.
-        touchdown: (n,) ns, of each stride.
-        end: (n,) ns, the next touchdown.
-
-    Returns:
-        (n,) m; NaN where the poses do not tell.
-    """
-    travel = base.position_at(end) - base.position_at(touchdown)
-    length: Floats = np.hypot(travel[:, 0], travel[:, 1])
-    return length
-
-
 TILT_RAD: Final = np.pi / 3.0
 """A base that leans further lies."""
 UPRIGHT_RAD: Final = np.pi / 6.0

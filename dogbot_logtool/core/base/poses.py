@@ -74,10 +74,8 @@ def usable_poses(odometry: Odometry) -> Flags:
     Returns:
         (n,) bool.
     """
-    finite = all_finite(odometry.position)
-    finite &= all_finite(odometry.orientation)
-    turned: Flags = (odometry.orientation != 0.0).any(axis=1)
-    return finite & turned
+    finite = all_finite(odometry.position) & all_finite(odometry.orientation)
+    return np.asarray(finite & (odometry.orientation != 0.0).any(axis=1))
 
 
 POSE_RATE_HZ: Final = 100.0
@@ -135,7 +133,7 @@ class BaseHistory:
             position=self.position[rows],
             angles=self.angles[rows],
             velocity=self.velocity[rows],
-            gaps=np.stack([time[:-1][silent], time[1:][silent]], axis=1),
+            gaps=timespans.steps_where(time, silent),
         )
 
     def without_poses(self) -> "BaseHistory":
@@ -220,6 +218,9 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
     time = clock.of(kept)
     angles = roll_pitch_yaw(normalised(kept.orientation))
     angles[:, 2] = np.unwrap(angles[:, 2])
+    broken = np.diff(time) > longest
+    if breaks is not None:
+        broken |= timespans.touches(breaks, time[:-1], time[1:])
     return BaseHistory(
         messages=len(usable),
         not_usable=int((~usable).sum()),
@@ -227,7 +228,7 @@ def base_history(odometry: Odometry, clock: TimeSource, breaks: Ints | None = No
         time=time,
         position=kept.position,
         angles=angles,
-        gaps=_gaps(time, longest, timespans.no_spans() if breaks is None else breaks),
+        gaps=timespans.steps_where(time, broken),
         velocity=kept.linear_velocity,
         repeated=int((~fresh).sum()),
         interval_s=float(median_of(np.diff(time))) / 1e9 if len(time) > 1 else 0.0,
@@ -259,14 +260,6 @@ def _distinct(odometry: Odometry, rows: Ints) -> Flags:
         since = np.arange(len(rows)) - np.repeat(first, length)
         fresh = since % (2 * usual) == 0
     return fresh
-
-
-def _gaps(time: Ints, longest_ns: float, breaks: Ints) -> Ints:
-    """(g, 2) ns, steps that are longer than usual or touch a break."""
-    broken = np.diff(time) > longest_ns
-    broken |= timespans.touches(breaks, time[:-1], time[1:])
-    rows = np.flatnonzero(broken)
-    return np.stack([time[rows], time[rows + 1]], axis=1)
 
 
 SMALLEST_JUMP_M: Final = 0.05
@@ -315,9 +308,9 @@ def find_jumps(base: BaseHistory) -> PoseJumps:
     change = np.minimum(GRAVITY_MPS2 * seconds**2 / 2.0, COARSE_M)
     size = _jumps(base, np.diff(base.position, axis=0), SMALLEST_JUMP_M, change)
     turn = _jumps(base, np.diff(base.angles[:, 2:], axis=0), SMALLEST_TURN_RAD, 0.0 * change)[:, 0]
-    found = np.flatnonzero(size.any(axis=1) | (np.abs(turn) > SMALLEST_STEP_RAD))
-    spans = np.stack([base.time[found], base.time[found + 1]], axis=1)
-    return PoseJumps(found, spans, size[found], turn[found])
+    found = size.any(axis=1) | (np.abs(turn) > SMALLEST_STEP_RAD)
+    spans = timespans.steps_where(base.time, found)
+    return PoseJumps(np.flatnonzero(found), spans, size[found], turn[found])
 
 
 def _jumps(base: BaseHistory, step: Floats, smallest: float, change: Floats) -> Floats:

@@ -132,13 +132,9 @@ def mass_unknown(walk: Walk) -> Iterator[Finding]:
     """Yield what stands for the weight of a robot whose mass is not given."""
     if walk.settings.mass_kg is not None:
         return
-    weight_n, thresholds_n = walk.loads.weight_n, walk.settings.estimated_weight_n
-    thresholds = ""
-    if thresholds_n is not None:
-        rest = f"{thresholds_n:.3g} N, the mean sum of the feet's loads"
-        thresholds = f"; contact thresholds rest on {rest}"
+    weight_n = walk.loads.weight_n
     say = "plain" if weight_n is None else "estimated"
-    yield found("MASS_UNKNOWN", where=_RATIO, say=say, weight=weight_n, thresholds=thresholds)
+    yield found("MASS_UNKNOWN", where=_RATIO, say=say, weight=weight_n)
 
 
 def impulse_is_not_weight(walk: Walk) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.frames.wrench_frame import WrenchFrame, WrenchFrameEvidence
-from dogbot_logtool.core.known_frames import Counts, WorldFrames
+from dogbot_logtool.core.known_frames import Counts
 from dogbot_logtool.core.loads import WEIGHT_TOLERANCE
 from dogbot_logtool.core.recording import Recording
 from dogbot_logtool.core.settings import WalkSettings
@@ -52,11 +52,8 @@ def clocks_differ(walk: Walk) -> Iterator[Finding]:
             continue
         case = "base" if each.topic == base_topic else "feet"
         case = case if each.topic in walk.clocks_apart else "little"
-        steady_s = max(each.jitter_s, 0.5 * abs(each.behind_s))
-        drifts = f", drifting by {each.drift_s:+.3f} s over the log"
-        drifts = drifts if abs(each.drift_s) > steady_s else ""
         seconds, way = abs(each.behind_s), "behind" if each.behind_s > 0.0 else "ahead of"
-        words: Words = {"topic": each.topic, "seconds": seconds, "way": way, "drifts": drifts}
+        words: Words = {"topic": each.topic, "seconds": seconds, "way": way}
         yield found("CLOCK_OFFSET", case, feet=feet, clock=each, **words)
     if delay is not None:
         seconds, way = abs(delay.delay_s), "after" if delay.delay_s > 0.0 else "before"
@@ -156,8 +153,7 @@ def columns_corrected(walk: Walk) -> Iterator[Finding]:
     """Yield what was left out, what transforms did not tell, and which plan is apart."""
     if walk.recording.implausible:
         yield found("NOT_FINITE", say="implausible", count=walk.recording.implausible)
-    if walk.corrected.turned is not None:
-        yield from transform_findings(*walk.corrected.turned)
+    yield from transform_findings(walk.corrected.turned)
     if walk.plan_apart:
         yield found("PLANNED", "not_compared", plan=walk.plan_apart)
 
@@ -209,16 +205,10 @@ FEW: Final = 0.005
 """Share of messages that may lack transforms: those before the first pose, say."""
 
 
-def transform_findings(frames: WorldFrames, counts: Counts) -> Iterator[Finding]:
+def transform_findings(counts: Counts) -> Iterator[Finding]:
     """Yield how often the frames told what was asked of them."""
-    points, (turned, placed) = [point for point in frames.points if point], counts
-    for wanted, (done, left), what in (
-        (any(frames.links), turned, "forces"),
-        (any(point.recorded for point in points), placed, "positions"),
-        (not all(point.recorded for point in points), placed, "origins"),
-    ):
-        if wanted:
-            few = left <= FEW * done
-            cases = ("few",) if few else ("forces",) if what == "forces" else ()
-            missing = f"; transforms were missing for {left:,}" if left else ""
-            yield found("TRANSFORMS_MISSING", *cases, say=what, done=done, missing=missing)
+    for what, (done, left) in counts.items():
+        few = left <= FEW * done
+        cases = ("few",) if few else ("forces",) if what == "forces" else ()
+        missing = f"; transforms were missing for {left:,}" if left else ""
+        yield found("TRANSFORMS_MISSING", *cases, say=what, done=done, missing=missing)

@@ -301,8 +301,7 @@ def _dropouts(times: Sequence[Ints], usual: Mapping[int, Usual]) -> Ints:
     if len(flights) >= _PART_OF_STRIDES * median_of(strides):
         longest = max(_LONGER_FLIGHT * float(median_of(flights)), longest)
     every = np.sort(np.concatenate(times))
-    last = np.flatnonzero(np.diff(every) > round(longest))
-    return np.stack([every[last], every[last + 1]], axis=1)
+    return timespans.steps_where(every, np.diff(every) > round(longest))
 
 
 def _swinging(

@@ -97,23 +97,10 @@ def _filter(feet: Sequence[_Tails], interval_s: float) -> Filter | None:
     # A filter prolongs the fall, not the rise.
     if _rows_below(tail[0], rise, fall) >= _rows_below(tail[0], fall, rise):
         return None
-    return _removable(tau, error, noise, len(fall), interval_s)
-
-
-def _removable(tau: float, error: float, noise: float, rows: int, interval_s: float) -> Filter:
-    """Decide how to take a filter out, and whether that leaves contact to be told.
-
-    Args:
-        tau: samples, its time constant.
-        error: standard error of that, as a share of it.
-        noise: of the forces, as a share of their range.
-        rows: samples for which forces fall.
-        interval_s: s between samples.
-    """
     # The slope of a line through m samples has a noise of 12 ** 0.5 / m ** 1.5 of theirs.
-    over = (12.0**0.5 * tau * noise / SOFT) ** (2.0 / 3.0)
-    reach = max(1, min(round(over / 2.0), round(tau / 2.0)))
-    resolved = reach <= BLUR * rows and error <= max(KNOWN, 1.0 / tau)
+    window = (12.0**0.5 * tau * noise / SOFT) ** (2.0 / 3.0)
+    reach = max(1, min(round(window / 2.0), round(tau / 2.0)))
+    resolved = reach <= BLUR * len(fall) and error <= max(KNOWN, 1.0 / tau)
     return Filter(tau * interval_s, reach, resolved)
 
 

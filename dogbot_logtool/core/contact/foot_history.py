@@ -18,7 +18,6 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import (
     Flags,
-    Floats,
     Ints,
     flagged_runs,
     latched,
@@ -198,13 +197,14 @@ def foot_history(
     used = len(samples.foot)
     track, samples, not_finite = foot_track(samples, clock, force_in_world=force_in_world)
     time, force = track.time, track.force
-    contact = samples.in_contact if rule.by_flag else schmitt(force, rule)
+    is_low = (force < rule.off_n) | (force == 0.0)
+    contact = samples.in_contact if rule.by_flag else latched(force >= rule.on_n, is_low)
     # Turned into the world, a constant force differs in its last digits.
     equal = np.abs(np.diff(force)) <= _SAME * force[1:]
     loaded = equal[contact[1:] & contact[:-1]]
     enough = has_force and len(loaded) >= _STUCK_SAMPLES
     if not rule.by_flag:
-        contact = backdated(contact, time, force, rule.off_n)
+        contact = backdated(contact, time, is_low)
     shortest = rule.debounce_s, rule.brief_s or 0.0
     starts, ends, filled, dropped = find_stances(time, contact, *shortest)
     is_scuff = _scuffs(track, starts, ends)
@@ -215,9 +215,7 @@ def foot_history(
         starts, ends = joined_bounces(time, starts, ends)
         filled += stances - len(starts)
 
-    gaps = track.gaps
-    if len(breaks):
-        gaps = timespans.merge(np.concatenate([gaps, breaks]))
+    gaps = timespans.merge(np.concatenate([track.gaps, breaks]))
     known = timespans.subtract(np.stack([time[:1], time[-1:]], axis=1), gaps)
 
     steps, touchdown, liftoff = np.diff(time), time[starts], time[ends]
@@ -280,19 +278,6 @@ LONGEST_RISE_S: Final = 0.1
 """s: a touchdown is dated back by no more."""
 
 
-def schmitt(force: Floats, rule: ContactRule) -> Flags:
-    """Trigger with two thresholds: between them, the state stays what it was, at first off.
-
-    Args:
-        force: (n,) N.
-        rule: thresholds.
-
-    Returns:
-        (n,) bool.
-    """
-    return latched(force >= rule.on_n, (force < rule.off_n) | (force == 0.0))
-
-
 def silent_before(time: Ints) -> Flags:
     """(n,) tell whether nothing is known just before: the first sample, or one after a silence.
 
@@ -304,7 +289,7 @@ def silent_before(time: Ints) -> Flags:
     return silent
 
 
-def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
+def backdated(contact: Flags, time: Ints, is_low: Flags) -> Flags:
     """Date touchdowns back to where the force rose above the off threshold.
 
     A rise lasts `LONGEST_RISE_S` at most and does not reach over a silence.
@@ -312,8 +297,7 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     Args:
         contact: (n,) state of the Schmitt trigger.
         time: (n,) ns, strictly increasing.
-        force: (n,) N.
-        off_n: N, the off threshold.
+        is_low: (n,) whether the force is below the off threshold.
 
     Returns:
         (n,) bool.
@@ -321,7 +305,7 @@ def backdated(contact: Flags, time: Ints, force: Floats, off_n: float) -> Flags:
     begins = np.flatnonzero(contact[1:] & ~contact[:-1]) + 1
     # The row after the last low one, or the last after a silence, up to each touchdown.
     rises = silent_before(time)
-    rises[1:] |= ((force < off_n) | (force == 0.0))[:-1]
+    rises[1:] |= is_low[:-1]
     edges = np.flatnonzero(rises)
     since = edges[np.searchsorted(edges, begins, side="right") - 1]
     earliest = np.searchsorted(time, time[begins] - round(LONGEST_RISE_S * 1e9))

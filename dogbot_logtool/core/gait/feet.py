@@ -9,7 +9,6 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, percentiles_of
 from dogbot_logtool.core.base.ground import Footfalls, MovingGround
-from dogbot_logtool.core.base.motion import stride_lengths
 from dogbot_logtool.core.base.poses import BaseHistory
 from dogbot_logtool.core.contact.foot_history import FootHistory
 from dogbot_logtool.core.contact.stances import Cut, StanceFigures, Stances
@@ -124,7 +123,8 @@ def foot_steps(
         "braking_impulse_ns": braking,
         "propulsive_impulse_ns": propulsive,
     }
-    travelled = stride_lengths(base, strides.touchdown, strides.end)
+    way = base.position_at(strides.end) - base.position_at(strides.touchdown)
+    travelled = np.hypot(way[:, 0], way[:, 1])
     length, length_from = _own_lengths(stood, ground, strides), "points"
     if not np.isfinite(length).any():
         # A stride in which the base hardly turns is as long for all of its feet.

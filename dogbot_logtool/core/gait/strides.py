@@ -222,16 +222,14 @@ def standing_in(
         fallen: (f, 2) ns, spans in which the robot lies.
     """
     none = timespans.no_spans()
-    all_down, in_flight, longest_step_s = none, none, STAND_S
-    if support is not None:
-        # A robot that lies with its feet on the ground does not stand.
-        all_down = timespans.subtract(support.all_down, fallen)
-        in_flight = timespans.subtract(support.in_flight, fallen)
-        longest_step_s = max(STAND_S, period_s or 0.0)
-    chosen = _lasting(all_down, longest_step_s)
+    if support is None:
+        return Standing(none, none, none)
+    # A robot that lies with its feet on the ground does not stand.
+    spans = support.all_down, support.in_flight
+    all_down, in_flight = (timespans.subtract(each, fallen) for each in spans)
+    chosen = _lasting(all_down, max(STAND_S, period_s or 0.0))
     moving = timespans.merge(np.concatenate([none, *(_moving(span, base) for span in chosen)]))
-    still = none if support is None else _lasting(timespans.subtract(chosen, moving))
-    return Standing(still, moving, _lasting(in_flight))
+    return Standing(_lasting(timespans.subtract(chosen, moving)), moving, _lasting(in_flight))
 
 
 def _lasting(spans: Ints, seconds: float = STAND_S) -> Ints:

@@ -251,9 +251,8 @@ def silences(feet: Iterable[DrawnFoot], opening: int, end: int) -> Loads:
     rows: list[tuple[int, int, int]] = []
     for foot in feet:
         log_time, stamp = foot.samples.log_time, foot.samples.time
-        longest, due = steady_gap_ns(np.diff(log_time)), SILENCE_NS
-        if len(log_time) > 1:
-            due = round(float(median_of(np.diff(log_time))))
+        steps = np.diff(log_time)
+        longest, due = steady_gap_ns(steps), round(median_of(steps)) if len(steps) else SILENCE_NS
         if not len(log_time) or log_time[0] - opening > longest:
             rows.append((opening, opening, foot.number))
         silent = np.flatnonzero(foot.ends)

@@ -117,18 +117,15 @@ def outlines(points: Floats, hull: Hulls) -> Floats:
         (n, feet + 1, 3) m; two points where the hull is a line, NaN after the last.
     """
     count, feet = points.shape[:2]
-    # In a row of points along an edge, the next corner is the furthest.
-    length = np.where(hull.edge, hull.along[0] ** 2 + hull.along[1] ** 2, -1.0)
-    following = length.argmax(axis=1)
     # The leftmost point is a corner, of several the one with the least y.
     x = np.where(np.isnan(hull.point[0]), np.inf, hull.point[0])
     first = np.where(x == x.min(axis=0), hull.point[1], np.inf).argmin(axis=0)
-    row, corner, drawn = np.arange(count), first, hull.edge.any(axis=(0, 1))
+    row, corner, drawn = np.arange(count), first, (hull.following >= 0).any(axis=0)
     outline = np.full((count, feet + 1, 3), np.nan)
     for index in range(feet + 1):
         outline[drawn, index] = points[row, corner][drawn]
         closed = corner == first
-        corner = following[corner, row]
+        corner = hull.following[corner, row]
         # Back at the first corner the outline is closed; a line ends at its second point.
         drawn = drawn & ~closed if index > 0 else drawn
         drawn = drawn & (corner != first) if index == 1 else drawn

@@ -8,7 +8,6 @@ second, not thousands.
 import json
 import math
 import struct
-from collections.abc import Collection
 from functools import lru_cache
 from importlib import import_module
 from typing import Any, Final
@@ -76,21 +75,6 @@ def _type(field: Any) -> FieldType:  # noqa: ANN401
     return VariableArray(kind) if field.default_value == [] else kind
 
 
-def only(kind: FieldType, columns: Collection[str], path: str = "") -> FieldType:
-    """Return a definition that has some columns only; messages need not have the others."""
-    match kind:
-        case VariableArray(element):
-            return VariableArray(only(element, columns, path))
-        case Struct(name, fields) if path not in columns:
-            kept: list[tuple[str, FieldType]] = []
-            for field, inner in fields:
-                below = f"{path}.{field}".removeprefix(".")
-                if any(f"{each}.".startswith(f"{below}.") for each in columns):
-                    kept.append((field, only(inner, columns, below)))
-            return Struct(name, tuple(kept))
-    return kind
-
-
 def as_ros1(type_name: str, encoding: str, payload: bytes, definition: FieldType) -> bytes | None:
     """Return a message as ROS 1 would write it; None if it cannot be decoded.
 
@@ -98,7 +82,7 @@ def as_ros1(type_name: str, encoding: str, payload: bytes, definition: FieldType
         type_name: of the message.
         encoding: one of `OBJECT_ENCODINGS`.
         payload: the message.
-        definition: of what is read of it.
+        definition: of the message.
     """
     if len(payload) > _LARGEST:
         return None
@@ -131,15 +115,25 @@ def _written(value: Any, kind: FieldType) -> bytes:  # noqa: ANN401 - a message,
 
 
 def _member(value: Any, name: str, kind: FieldType) -> Any:  # noqa: ANN401
-    is_dict = isinstance(value, dict)
-    if kind is _OPTIONAL and not (name in value if is_dict else value.HasField(name)):
-        return math.nan
-    return value[name] if is_dict else getattr(value, name)
+    """Return a field; of one that is not there the number is NaN, and text and array are empty."""
+    if isinstance(value, dict):
+        return value.get(name, _absent(kind))
+    return math.nan if kind is _OPTIONAL and not value.HasField(name) else getattr(value, name)
+
+
+def _absent(kind: FieldType) -> Any:  # noqa: ANN401
+    match kind:
+        case Struct():
+            return {}
+        case Text() | VariableArray():
+            return ""
+    return math.nan
 
 
 def _time(value: Any) -> tuple[int, int]:  # noqa: ANN401
     """Return seconds and nanoseconds; 0, which is no stamp, outside what ROS 1's times hold."""
-    names = ("sec", "nsec") if isinstance(value, dict) else ("seconds", "nanos")
-    seconds, nanoseconds = (int(_member(value, name, _NUMBER)) for name in names)
+    is_dict = isinstance(value, dict)
+    parts = (value.get("sec", 0), value.get("nsec", 0)) if is_dict else (value.seconds, value.nanos)
+    seconds, nanoseconds = map(int, parts)
     inside = 0 <= seconds <= _LAST_SECOND and 0 <= nanoseconds < 1_000_000_000
     return (seconds, nanoseconds) if inside else (0, 0)

@@ -15,13 +15,12 @@ from dogbot_logtool.reader.foot import Foot, FootField
 from dogbot_logtool.reader.messages.feet import FootChannels, read_feet
 from dogbot_logtool.reader.messages.gazebo import PairStates, read_pairs
 from dogbot_logtool.reader.messages.message_type import MessageType
-from dogbot_logtool.reader.messages.messages import DecodedMessages, described
+from dogbot_logtool.reader.messages.messages import DecodedMessages, described, without_sender
 from dogbot_logtool.reader.messages.source import (
     Source,
     chosen_path,
     decoded_by,
     source_of,
-    without_sender,
 )
 
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import chain
 from typing import Final, NamedTuple
@@ -19,10 +19,9 @@ from dogbot_logtool.reader.decode.definition import (
     Struct,
     known_definition,
     parse_definition,
-    short_type_name,
 )
 from dogbot_logtool.reader.decode.message_layout import Layout, compile_layout
-from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS, as_ros1, object_definition, only
+from dogbot_logtool.reader.decode.objects import OBJECT_ENCODINGS, as_ros1, object_definition
 from dogbot_logtool.reader.decode.paths import Columns
 
 SERIALISATIONS: Final[Mapping[str, Serialisation]] = {"ros1": "ros1", "cdr": "cdr"}
@@ -71,7 +70,7 @@ def decode_channels(
     if wanted not in batch.decoded:
         by_decoder: dict[_Decoder, list[int]] = {}
         for channel in channels:
-            by_decoder.setdefault(_decoder(*_declared(channel), columns), []).append(channel.id)
+            by_decoder.setdefault(_decoder(without_sender(channel), columns), []).append(channel.id)
         decoded = [_decode(batch, decoder, ids) for decoder, ids in by_decoder.items()]
         batch.decoded[wanted] = [messages for messages in decoded if messages is not None]
     return list(batch.decoded[wanted])
@@ -118,6 +117,27 @@ def definition_of(channel: Channel) -> Struct:
     return described(channel)[0]
 
 
+def without_sender(channel: Channel) -> Channel:
+    """Return what the channels of one definition have in common: a key of caches."""
+    schema = channel.schema and channel.schema._replace(id=0)
+    return replace(channel, id=0, topic="", schema=schema, metadata={})
+
+
+@lru_cache(maxsize=256)
+def _decoder(channel: Channel, columns: Columns) -> _Decoder:
+    """Compile what decodes the messages of a channel, which has no sender.
+
+    Raises:
+        DefinitionError: they cannot be decoded.
+    """
+    definition, _ = _described(channel)
+    encoding = channel.message_encoding
+    if encoding not in OBJECT_ENCODINGS:
+        return _Decoder(compile_layout(definition, SERIALISATIONS[encoding], columns))
+    layout = compile_layout(definition, "ros1", columns)
+    return _Decoder(layout, partial(as_ros1, channel.type_name, encoding, definition=definition))
+
+
 def described(channel: Channel) -> tuple[Struct, str]:
     """Return the definition by which a channel's messages are decoded.
 
@@ -127,61 +147,29 @@ def described(channel: Channel) -> tuple[Struct, str]:
     Raises:
         DefinitionError: there is none; the sentence does not name the topic.
     """
-    return _definition(*_declared(channel))
+    return _described(without_sender(channel))
 
 
-_Declared = tuple[str, str, bytes, str]
-"""A type's name, the encoding and text of its definition, and the encoding of messages."""
-
-
-def _declared(channel: Channel) -> _Declared:
-    encoding = channel.message_encoding
+@lru_cache(maxsize=256)
+def _described(channel: Channel) -> tuple[Struct, str]:
+    encoding, schema = channel.message_encoding, channel.schema
     if encoding in OBJECT_ENCODINGS:
-        return channel.type_name, "", b"", encoding
-    if channel.schema is None:
+        return object_definition(channel.type_name, encoding), ""
+    if schema is None:
         raise DefinitionError("its messages have no type")
     if encoding not in SERIALISATIONS:
         raise DefinitionError(
             f"messages encoded as {encoding!r} are not read, only ROS 1's and CDR"
         )
-    return channel.schema.name, channel.schema.encoding, channel.schema.data, encoding
-
-
-@lru_cache(maxsize=256)
-def _decoder(
-    name: str, schema_encoding: str, data: bytes, encoding: str, columns: Columns
-) -> _Decoder:
-    """Compile what decodes the messages of a type.
-
-    Raises:
-        DefinitionError: they cannot be decoded.
-    """
-    definition, _ = _definition(name, schema_encoding, data, encoding)
-    if encoding not in OBJECT_ENCODINGS:
-        return _Decoder(compile_layout(definition, SERIALISATIONS[encoding], columns))
-    read = only(definition, columns)
-    layout = compile_layout(read, "ros1", None)
-    return _Decoder(layout, partial(as_ros1, name, encoding, definition=read))
-
-
-@lru_cache(maxsize=256)
-def _definition(name: str, schema_encoding: str, data: bytes, encoding: str) -> tuple[Struct, str]:
-    """Return a type's definition: the log's, else our own and why.
-
-    Raises:
-        DefinitionError: there is none.
-    """
-    text = data.decode("utf-8", "replace")
+    text = schema.data.decode("utf-8", "replace")
     try:
-        if encoding in OBJECT_ENCODINGS:
-            return object_definition(name, encoding), ""
         # A definition has a line that is no comment.
         if not any(line.partition("#")[0].strip() for line in text.splitlines()):
-            raise DefinitionError(f"the log has no definition of {short_type_name(name)}")
-        return parse_definition(name, text, schema_encoding), ""
+            raise DefinitionError(f"the log has no definition of {channel.type_name}")
+        return parse_definition(schema.name, text, schema.encoding), ""
     except DefinitionError as error:
-        own = known_definition(name, serialisation=SERIALISATIONS.get(encoding, "cdr"))
-        if own is None or encoding in OBJECT_ENCODINGS:
+        own = known_definition(schema.name, serialisation=SERIALISATIONS[encoding])
+        if own is None:
             raise
-        schema_encoding = "ros1msg" if encoding == "ros1" else "ros2msg"
-        return parse_definition(name, own, schema_encoding), str(error)
+        form = "ros1msg" if encoding == "ros1" else "ros2msg"
+        return parse_definition(schema.name, own, form), str(error)

@@ -1,7 +1,7 @@
 """Rows of the table, fitted to the definitions of a log: how a channel's messages are read."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -14,7 +14,12 @@ from dogbot_logtool.reader.containers.log import Batch, Channel
 from dogbot_logtool.reader.decode.definition import Struct
 from dogbot_logtool.reader.decode.paths import Columns, FieldPath, Want, columns_of, path_of
 from dogbot_logtool.reader.messages.message_type import WANTS, MessageType, Part
-from dogbot_logtool.reader.messages.messages import DecodedMessages, decode_channels, described
+from dogbot_logtool.reader.messages.messages import (
+    DecodedMessages,
+    decode_channels,
+    described,
+    without_sender,
+)
 from dogbot_logtool.reader.messages.table import rows_of
 
 Paths = Mapping[str, tuple[FieldPath, ...]]
@@ -133,12 +138,6 @@ def source_of(channel: Channel, part: Part) -> Source | None:
     ):
         return None
     return _source_of(without_sender(channel), part)
-
-
-def without_sender(channel: Channel) -> Channel:
-    """Return what the channels of one definition have in common, which share a source."""
-    schema = channel.schema and channel.schema._replace(id=0)
-    return replace(channel, id=0, topic="", schema=schema, metadata={})
 
 
 @lru_cache(maxsize=1024)

@@ -76,9 +76,9 @@ def _estimated(
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
         lean, within = "taken as none", "14 %"
-        if estimated.tells_up:
+        if estimated.inertial.tells_up:
             lean, within = "by the accelerometer", "6 %"
-        by = estimated.turns_from
+        by = estimated.inertial.turns_from
         findings.append(found("BASE_FROM_LEGS", say="joints", by=by, lean=lean, within=within))
     if lacks_feet:
         topic = joints.topic

@@ -332,6 +332,8 @@ def _cell_offsets(buffer: Bytes, number: Ints, pages: Pages, kind: int) -> tuple
     table = head + _HEAD[kind]
     count = unsigned(buffer, head + 3, 2)
     sound = (buffer[head] == kind) & (table + 2 * count <= begin + pages.usable)
+    # The content of a page without cells begins at its end.
+    sound &= (count > 0) | (unsigned(buffer, head + 5, 2) == pages.usable % (1 << 16))
     count[~sound] = 0
     index, page, _ = rows_of_runs(0 * count, count)
     offset = unsigned(buffer, table[page] + 2 * index, 2)
