@@ -8,6 +8,7 @@ import numpy as np
 from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Integral, Ints, integral
 from dogbot_logtool.core.contact.foot_history import FootHistory
+from dogbot_logtool.core.contact.sensor import varies
 from dogbot_logtool.core.settings import LegPosition, WalkSettings
 
 NEAR_ZERO: Final = 1e-9
@@ -303,7 +304,12 @@ def is_stuck(foot: FootHistory, feet: Sequence[FootHistory]) -> bool:
 
     Where no force varies the robot stands still, in a simulator without noise.
     """
-    return foot.is_constant and any(len(each.in_contact) and not each.is_constant for each in feet)
+    return foot.is_constant and any(not each.is_constant and _varies(each) for each in feet)
+
+
+def _varies(foot: FootHistory) -> bool:
+    track = foot.track
+    return varies(track.force[timespans.covers(foot.in_contact, track.time)])
 
 
 CELL_RATE_HZ: Final = 25.0

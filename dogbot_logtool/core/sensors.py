@@ -26,6 +26,7 @@ from dogbot_logtool.core.contact.sensor import (
     SensorLevel,
     estimate_level,
     refuted,
+    varies,
     zero_level,
 )
 from dogbot_logtool.core.settings import FootSettings, WalkSettings
@@ -58,8 +59,11 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
         levels = fitting_levels(levels, weight)
     estimated = weight_of_levels(levels) if weight is None else None
     # A robot that stands in a simulator without noise has no force that varies.
-    some_vary = any(
-        level.reason != CONSTANT and (level.hides_contact or level.loaded_n) for level in levels
+    some_vary = CONSTANT in {level.reason for level in levels} and any(
+        level.reason != CONSTANT
+        and (level.hides_contact or level.loaded_n)
+        and varies(norms(own.force[all_finite(own.force)]))
+        for level, own in zip(levels, feet, strict=True)
     )
     found = []
     for foot, level, samples in zip(settings.feet, levels, feet, strict=True):

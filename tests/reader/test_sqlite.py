@@ -120,6 +120,13 @@ def test_pages_that_are_shared_end_the_reading(tmp_path: Path, table: str) -> No
     assert "its pages are used more than once" in said
 
 
+def test_tables_that_begin_with_one_page_are_damaged(tmp_path: Path) -> None:
+    change = "UPDATE sqlite_master SET rootpage = 1 WHERE name = 'messages'"
+    reading = read_file(make(tmp_path / "log.db3", "PRAGMA writable_schema = ON", change))
+    assert "its pages are used more than once" in reading.sentences
+    assert reading.lost is None
+
+
 def test_a_row_that_stands_twice_ends_the_reading(tmp_path: Path) -> None:
     path = make(tmp_path / "log.db3", "PRAGMA journal_mode = DELETE")
     connection = sqlite3.connect(path)

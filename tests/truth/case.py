@@ -2,19 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 from tests.truth.recording import Disturbance, Recording, disturbed
 from tests.truth.walking import Walk
-
-_RESTS_ON: Final = {
-    "stance": {"duty factor", "stride period"},
-    "propulsion": {"braking"},
-    "size": {"peak force"},
-    "energy margin": {"margin"},
-    "pressure": {"margin"},
-}
-"""Figures that are not judged where others are not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,12 +101,6 @@ class Case:
     def happens(self) -> tuple[Event, ...] | None:
         """Events that must be found, and no others; None: any may be."""
         return () if self.events is None and not self.faults else self.events
-
-    @property
-    def skipped(self) -> frozenset[str]:
-        """Figures that are not judged."""
-        given = frozenset(self.skip.split(", "))
-        return given | {name for name, others in _RESTS_ON.items() if others & given}
 
     def record(self) -> Recording:
         """Return the messages; the odometry comes a hundred times a second at most."""

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tests.truth.geometry import Floats, about_axis
-from tests.truth.recording import BaseRecording, Recording, VectorRecording, sample_times
-from tests.truth.sensor_faults import as_force_sensors
+from tests.truth.recording import FORCE, BaseRecording, Recording, VectorRecording, sample_times
 from tests.truth.walking import Walk
 
 Steps = tuple[tuple[float, tuple[float, float, float]], ...]
@@ -81,5 +80,5 @@ class Commanded:
 def commanded_walk(robot: Commanded, *beside: VectorRecording) -> Recording:
     """Record a walk whose base does as it is commanded; its force sensors do not tell of places."""
     walk = Walk(seconds=robot.seconds, period_s=robot.period_s, speed_mps=0.4)
-    recorded = as_force_sensors(walk.recorded(200.0, 100.0))
+    recorded = FORCE(walk.recorded(200.0, 100.0))
     return replace(recorded, base=robot.base(), beside=beside)

@@ -7,11 +7,6 @@ import numpy as np
 from tests.truth.recording import Disturbance, FootRecording, Recording, Sensor, at_times, of_feet
 
 
-def as_flags(recording: Recording) -> Recording:
-    """Let one topic tell contact of all feet, and nothing else."""
-    return replace(recording, kind="flags")
-
-
 @of_feet
 def sampled(_: int, foot: FootRecording, rate_hz: float) -> FootRecording:
     """Let the feet's messages come less often."""

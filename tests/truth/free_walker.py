@@ -1,10 +1,11 @@
 """Robots in a physics engine that their own legs drive, as a velocity command asks.
 
-The trunk slides freely; it is kept from leaning. A quadruped's turns about its vertical, too, and a
-controller plans its gait: feet in stance sweep back under the body at the commanded velocity, feet
-in swing go where the next stance shall begin. How fast the body really moves is left to motors,
-friction and inertia. On a slope all is worked out along the ground and turned into the world in the
-end. A biped walks straight ahead on flat feet, with six joints a leg.
+The trunk slides freely; it is kept from leaning, unless only its feet shall do that. A quadruped's
+turns about its vertical, too, and a controller plans its gait: feet in stance sweep back under the
+body at the commanded velocity, feet in swing go where the next stance shall begin. How fast the
+body really moves is left to motors, friction and inertia. On a slope all is worked out along the
+ground and turned into the world in the end. A biped walks straight ahead on flat feet, with six
+joints a leg.
 """
 
 from dataclasses import replace
@@ -66,6 +67,8 @@ def quadruped(
     gait: str = "trot",
     legs_kg: tuple[float, ...] = LEGS_KG,
     push_n: float = 0.0,
+    *,
+    leans: bool = False,
 ) -> Physics:
     """Run the engine.
 
@@ -76,6 +79,7 @@ def quadruped(
         gait: one of `GAITS`.
         legs_kg: of the parts of each leg.
         push_n: for `PUSH_S[1]` every `PUSH_S[0]`, from the left and from behind in turn.
+        leans: whether only its feet keep the trunk from leaning.
     """
     settle_s = 1.0
     steps = np.arange(-round(settle_s / STEP_S), round(seconds / STEP_S))
@@ -84,8 +88,9 @@ def quadruped(
     push = push_n * (since < PUSH_S[1])[:, None] * _PUSHES[turn.astype(int) % 2]
     made = parts(legs_kg)
     free = "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
+    kept = f'{free}<joint type="hinge" axis="0 0 1"/>'
     level = simulate(
-        model_xml(made, f'{free}<joint type="hinge" axis="0 0 1"/>', HEIGHT_M, (400.0, 6.0)),
+        model_xml(made, "<freejoint/>" if leans else kept, HEIGHT_M, (400.0, 6.0)),
         made,
         _angles(_feet(time, np.array(command), *GAITS[gait])),
         [(f"{foot}_foot", f"{foot}_calf") for foot in FEET],

@@ -42,10 +42,11 @@ SILENCE: Final = r"GAPS|SILEN"
 HIDDEN: Final = 0.1
 """Largest part of the events that they may hide outside of the silences that a case knows of."""
 STRUCTURAL: Final = {
-    "peak force": "frame of the forces",
-    "braking": "frame of the forces",
-    "propulsion": "frame of the forces",
-    "impulse": "frame of the forces|mass not known",
+    "size": "no forces",
+    "load share": "no forces",
+    "peak force": "frame of the forces|no forces",
+    "braking": "frame of the forces|no forces",
+    "impulse": "frame of the forces|no forces|mass not known",
     "height": "height|no contact points",
     "energy margin": "height|no contact points",
     "froude": "height|no contact points",
@@ -63,8 +64,9 @@ def judge(case: Case, recording: Recording, found: Outcome) -> list[Judged]:
     judged += _odd_events(case, truth, found)
     judged += _steps(case, recording, found) if truth.stride_s else _no_steps(recording, found)
     judged += _numbers(case, recording, found)
-    judged = [each for each in judged if each.figure not in case.skipped]
-    return judged + [each for each in _unknown(judged, found) if each.figure not in case.skipped]
+    skipped = case.skip.split(", ")
+    judged = [each for each in judged if each.figure not in skipped]
+    return judged + [each for each in _unknown(judged, found) if each.figure not in skipped]
 
 
 def faults(judged: Sequence[Judged]) -> list[Judged]:
@@ -187,7 +189,7 @@ def _figures(allow: Tolerance, stride_s: float) -> Iterator[tuple[str, str, str,
          force + 0.03),
         ("vertical_impulse_ns", "impulse", "feet.*.vertical_impulse_ns", 0.0, 0.05),
         ("braking_impulse_ns", "braking", "feet.*.braking_impulse_ns.mean", 0.01, 0.1),
-        ("propulsive_impulse_ns", "propulsion", "feet.*.propulsive_impulse_ns.mean", 0.0, 0.1),
+        ("propulsive_impulse_ns", "braking", "feet.*.propulsive_impulse_ns.mean", 0.0, 0.1),
         ("slip_m", "slip", "feet.*.slip_m.median", 0.004, 0.0),
         ("load_share", "load share", "forces.load_share.feet.*", allow.share, 0.0),
         ("load_share_fore", "load share", "forces.load_share.fore", 2.0 * allow.share, 0.0),
@@ -203,7 +205,7 @@ def _figures(allow: Tolerance, stride_s: float) -> Iterator[tuple[str, str, str,
         ("path_length_m", "path", "base.path_length_m", 0.05, allow.speed),
         ("net_displacement_m", "path", "base.net_displacement_m", 0.05, allow.speed),
         ("height_m", "height", "base.height_m.mean", 0.0, 0.02),
-        ("froude", "froude", "base.froude", 0.0, 0.05),
+        ("froude", "froude", "base.froude", 0.001, 0.05),
         ("slope_rad", "slope", "base.slope_rad", 0.01, 0.0),
         ("pitch_rad", "pitch", "base.pitch_rad.mean", 0.01, 0.0),
         ("climb_m", "climb", "base.climb_m", 0.05, 0.0),

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import wraps
-from typing import Any, Concatenate, Literal, ParamSpec, Self
+from typing import Any, Concatenate, Final, Literal, ParamSpec, Self
 
 import numpy as np
 
@@ -213,12 +213,12 @@ def of_all(change: Callable[Concatenate[Any, P], Any]) -> Callable[P, Disturbanc
 
     @wraps(change)
     def fault(*words: P.args, **named: P.kwargs) -> Disturbance:
-        def changed(recording: Recording) -> Recording:
+        def of_both(recording: Recording) -> Recording:
             base = change(recording.base, *words, **named)
             moved = replace(recording, base=base)
             return moved.each_foot(lambda _, foot: change(foot, *words, **named))
 
-        return changed
+        return of_both
 
     return fault
 
@@ -227,10 +227,33 @@ def on(fault: Disturbance, *feet: str) -> Disturbance:
     """Let a fault be of some feet only."""
 
     def change(recording: Recording) -> Recording:
-        changed = fault(recording).feet
-        return recording.each_foot(lambda row, _: changed[row], *feet)
+        faulty = fault(recording).feet
+        return recording.each_foot(lambda row, _: faulty[row], *feet)
 
     return change
+
+
+def changed(**fields: Any) -> Disturbance:
+    """Change how a log is recorded."""
+    return lambda recording: replace(recording, **fields)
+
+
+FORCE: Final = changed(kind="wrench")
+"""Sensors report a force all the time, and no contact."""
+FLAGS: Final = changed(kind="flags")
+"""One topic tells contact of all feet, and nothing else."""
+IN_CONTACT: Final = changed(kind="gz_contacts")
+"""Sensors speak in contact only."""
+
+
+def true(**metrics: Any) -> Disturbance:
+    """Let other metrics be true, or None be known of them."""
+    return lambda recording: replace(recording, truth=recording.truth.but(**metrics))
+
+
+def together(*disturbances: Disturbance) -> Disturbance:
+    """Make one disturbance of several."""
+    return lambda recording: disturbed(recording, *disturbances)
 
 
 def disturbed(recording: Recording, *disturbances: Disturbance) -> Recording:

@@ -54,12 +54,6 @@ def with_imu(
     return change
 
 
-def mounted(mounting: Floats) -> Disturbance:
-    """Let a static transform tell the mounting."""
-    statics = (("imu_link", (0.0, 0.0, 0.0, *mounting.tolist())),)
-    return lambda recording: replace(recording, statics=statics)
-
-
 def reading(vectors: Callable[[Floats], Floats]) -> Disturbance:
     """Let the unit read something else."""
 

@@ -15,11 +15,6 @@ from tests.truth.recording import Disturbance, FootRecording, Recording, of_feet
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def as_force_sensors(recording: Recording) -> Recording:
-    """Let sensors report a force all the time, and no contact."""
-    return replace(recording, kind="wrench")
-
-
 def _plus(foot: FootRecording, newtons: Floats) -> FootRecording:
     """Add newtons, (n,), along z."""
     return replace(foot, force=foot.force + np.outer(newtons, UP))
@@ -121,11 +116,6 @@ def not_finite(row: int, foot: FootRecording, fraction: float) -> FootRecording:
     return replace(foot, force=np.where(rows[:, None], np.nan, foot.force))
 
 
-def touching_itself(recording: Recording) -> Recording:
-    """Let bumpers report in swing a contact with the robot's own body."""
-    return replace(recording, touches_itself=True)
-
-
 def in_link_frame(recording: Recording) -> Recording:
     """Let sensors report forces in their links' frames, and record those transforms."""
 
@@ -146,11 +136,6 @@ def stiff_legs(_: int, foot: FootRecording) -> FootRecording:
 def leaning(_: int, foot: FootRecording, rotation: Floats) -> FootRecording:
     """Let all forces be turned."""
     return replace(foot, force=turned(np.tile(rotation, (len(foot.time), 1)), foot.force))
-
-
-def without_tf(recording: Recording) -> Recording:
-    """Leave out the transforms."""
-    return replace(recording, has_tf=False)
 
 
 @of_feet

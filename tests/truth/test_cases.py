@@ -16,8 +16,8 @@ from tests.truth.judging import faults, judge
 from tests.truth.outcome import outcome
 from tests.truth.pose_cases import WAYS
 from tests.truth.pose_faults import silent
-from tests.truth.recording import disturbed
-from tests.truth.sensor_faults import as_force_sensors, noise, rezeroed, user_gives
+from tests.truth.recording import FORCE, disturbed
+from tests.truth.sensor_faults import noise, rezeroed, user_gives
 from tests.truth.validate import TABLE, labelled_rows
 from tests.truth.walking import Walk
 
@@ -75,14 +75,14 @@ def test_a_gap_of_poses_counts_neither_as_path_nor_as_time(tmp_path: Path) -> No
     assert found.figure("base.duration_s") == pytest.approx(7.0, abs=0.02)
     assert found.figure("base.path_length_m") == pytest.approx(3.5, abs=0.02)
     assert found.says("front_left is in contact for 0.5 s further than 0.1 s from odometry")
-    foot = outcome(as_force_sensors(recording), tmp_path).json["feet"]["front_left"]
+    foot = outcome(FORCE(recording), tmp_path).json["feet"]["front_left"]
     assert 5 < foot["stride_length_m"]["n"] < foot["strides"]
 
 
 def test_a_sensor_that_steps_still_tells_its_loads_beside_a_given_offset(tmp_path: Path) -> None:
     zero = {f"tare.{foot}": "0,0,0" for foot in Walk().robot.feet}
     given = user_gives(mass=None, set=zero)
-    faulty = (as_force_sensors, noise(1.0), rezeroed(4.0, 12.0), given)
+    faulty = (FORCE, noise(1.0), rezeroed(4.0, 12.0), given)
     found = outcome(disturbed(Walk().recorded(200.0, 100.0), *faulty), tmp_path)
     for foot in Walk().robot.feet:
         assert 10.0 < found.figure(f"settings.feet.{foot}.contact_on_n") < 20.0

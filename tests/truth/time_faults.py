@@ -62,11 +62,6 @@ def lost(row: int, foot: FootRecording, fraction: float) -> FootRecording:
     return foot.pick(np.random.default_rng((0, row)).random(len(foot.time)) >= fraction)
 
 
-def silent_in_swing(recording: Recording) -> Recording:
-    """Let the feet have sensors that speak in contact only."""
-    return replace(recording, kind="gz_contacts")
-
-
 @of_feet
 def silent_between(_: int, foot: FootRecording, start_s: float, end_s: float) -> FootRecording:
     """Let feet say nothing for a while."""

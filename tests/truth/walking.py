@@ -16,13 +16,7 @@ import numpy as np
 
 from tests.truth.gaits import TROT, Gait
 from tests.truth.geometry import Floats, about_axis, margins, product, turned
-from tests.truth.recording import (
-    BaseRecording,
-    FootRecording,
-    Recording,
-    Truth,
-    sample_times,
-)
+from tests.truth.recording import BaseRecording, FootRecording, Recording, Truth, sample_times
 from tests.truth.robots import GRAVITY_MPS2, Robot, quadruped
 
 MARGIN_HZ = 50.0

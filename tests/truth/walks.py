@@ -4,11 +4,11 @@ from typing import Final
 
 from tests.truth import gaits
 from tests.truth.case import Tolerance
+from tests.truth.recording import FORCE
 from tests.truth.robots import biped, hexapod, quadruped
-from tests.truth.sensor_faults import as_force_sensors, noise, user_gives
+from tests.truth.sensor_faults import noise, user_gives
 from tests.truth.walking import Walk
 
-FORCE: Final = as_force_sensors
 NO_MASS: Final = user_gives(mass=None)
 """The user gives no mass."""
 SENSED: Final = FORCE, noise(1.0)

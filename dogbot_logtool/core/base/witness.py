@@ -64,6 +64,8 @@ class Witness(NamedTuple):
     """Whether the heading turns as the feet do."""
     rests: bool = False
     """Whether no foot's place moves in the body: it stands, or these are no feet's places."""
+    leg_m: float = 0.0
+    """By `LEGS`, how far feet usually are from the base's origin."""
 
     def motion(self, windows: Ints, forward_rad: float) -> "Motion":
         """Return the motion along the robot's forward axis in some windows; see `motion_in`."""
@@ -194,9 +196,9 @@ def by_legs(
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
     rests = max(float(np.ptp(path.position, axis=0).max()) for path in paths) < RESTS_M
-    return Witness(
-        dead_reckoned(legs), LEGS, tells_heading=True, tells_turn=tells_turn, rests=rests
-    )
+    leg_m = float(median_of_known(norms(place.reshape(-1, 3)), axis=0))
+    poses = dead_reckoned(legs)
+    return Witness(poses, LEGS, True, tells_turn, rests, leg_m)  # noqa: FBT003
 
 
 SHORTEST_STRIDES: Final = 1.5

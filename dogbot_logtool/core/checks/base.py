@@ -128,6 +128,8 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
         return
     if settings.forward_axis_reason:
         yield found("FORWARD_AXIS", where="settings.forward_axis", settings=settings)
+    if not settings.forward_axis_is_assumed:
+        return
     forward, left = base.forward_speed_mps or 0.0, base.lateral_speed_mps or 0.0
     # A heading that never turns beside a bend is none.
     goes = bool(base.yaw_rate_radps)
@@ -136,8 +138,7 @@ def forward_axis(walk: Walk) -> Iterator[Finding]:
     if goes and abs(left) > 2.0 * abs(forward):
         where, side = "base.forward_speed_mps", "left" if left > 0.0 else "right"
         words: Words = {"settings": settings, "base": base, "side": side, "speed": abs(left)}
-        cases = ("assumed",) if settings.forward_axis_is_assumed else ()
-        yield found("FORWARD_AXIS", *cases, where=where, say="sideways", **words)
+        yield found("FORWARD_AXIS", "assumed", where=where, say="sideways", **words)
 
 
 WINDOW_S: Final = 1.0
@@ -146,6 +147,9 @@ SCALES: Final = (0.8, 1.25)
 """Ways by poses over those by a witness that are alike: feet roll and slip."""
 ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
+SHORTEST_STEP: Final = 0.1
+"""Share of a leg that legs go in a stride, at least, if they are to judge poses: of shorter ways,
+feet may slip most."""
 LEVEL_RAD: Final = 0.03
 """Of a treadmill, on which a base goes neither up nor down; or a base without roll and pitch."""
 
@@ -206,7 +210,10 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     feet, twist = (
         compare(each, own, windows, forward_rad) for each in (walk.witness, by_twist(walk.poses))
     )
-    way = next((each for each in (feet, twist) if each is not None and each.tells_way), None)
+    leg_m = walk.witness.leg_m if walk.witness is not None else 0.0
+    far_m = SHORTEST_STEP * leg_m * len(windows)
+    told = [each for each in (feet, twist) if each is not None and each.tells_way]
+    way = next((each for each in told if each.by != LEGS or each.reference.walked_m > far_m), None)
     yield from _scale(walk, own, way)
     if way is not None and abs(way.direction_rad) > ASIDE_RAD:
         degrees = abs(np.degrees(way.direction_rad))
@@ -218,7 +225,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from (planar := list(_planar(walk, feet, windows)))
     by_legs = walk.settings.contact_from or walk.settings.base_from_legs
     if feet is not None and not (planar or by_legs):
-        yield from _climb(walk, feet)
+        yield from _climb(walk, feet, leg_m)
 
 
 def feet_agree(walk: Walk) -> bool:
@@ -292,8 +299,10 @@ def _scale(walk: Walk, own: Motion, way: Comparison | None) -> Iterator[Finding]
 
 TURNS_RAD: Final = np.radians(20.0)
 """A course that turns by more tells whether the orientation turns with it."""
-TURNS_WITH: Final = 0.5
+TURNS_WITH: Final = 0.3
 """Least share of a witness's turn that is the same turn."""
+STRAYS_RAD: Final = np.radians(4.0)
+"""A stride, by which legs that slip may seem to turn while the orientation does something else."""
 CLIMBS_M: Final = 0.05
 """m that feet rise or fall from which poses that keep their z are planar."""
 
@@ -301,19 +310,35 @@ CLIMBS_M: Final = 0.05
 def _orientation(
     walk: Walk, own: Motion, feet: Comparison | None, windows: Ints
 ) -> Iterator[Finding]:
-    """Yield that the orientation does not turn although the robot does."""
-    by, told, turns = "the gyroscope", _inertial(walk, windows)[0], own.turn
+    """Yield that the orientation does not turn although the robot does, by all that tells."""
+    is_constant = bool(walk.period_s) and not np.ptp(walk.poses.angles, axis=0).any()
+    told = [("the gyroscope", _inertial(walk, windows)[0], own.turn, TURNS_RAD)]
     if feet is not None and walk.witness is not None and walk.witness.tells_turn:
-        by, told, turns = feet.by, feet.reference.turn, feet.own.turn
-    both = np.isfinite(told) & np.isfinite(turns)
-    turned, own_turn, least = float(told[both].sum()), float(turns[both].sum()), TURNS_RAD
-    is_constant = walk.period_s and not np.ptp(walk.poses.angles, axis=0).any()
-    if is_constant and not np.nan_to_num(told).any():
+        strays = STRAYS_RAD * feet.strides if feet.by == LEGS and not is_constant else 0.0
+        told.append((feet.by, feet.reference.turn, feet.own.turn, TURNS_RAD + strays))
+    told = [each for each in told if np.nan_to_num(each[1]).any()]
+    if is_constant and not told:
         course = np.unwrap(np.angle(own.displacement[np.abs(own.displacement) > CLIMBS_M]))
-        by, turned, least = "its course", float(np.diff(course).sum()), 2.0 * TURNS_RAD
-    if abs(turned) > least and own_turn * np.sign(turned) < TURNS_WITH * abs(turned):
-        own_deg, deg = np.degrees([own_turn, turned]).tolist()
-        yield _doubted(walk, "POSE_DIRECTION", "constant", own=own_deg, told=deg, by=by)
+        told.append(("its course", np.diff(course), 0.0 * np.diff(course), 2.0 * TURNS_RAD))
+    doubts = [_turns_apart(*each) for each in told]
+    if doubts and all(doubts):
+        yield _doubted(walk, "POSE_DIRECTION", "constant", **doubts[-1])
+
+
+def _turns_apart(by: str, told: Floats, own: Floats, least: float) -> dict[str, Any]:
+    """Return how far a witness and the poses turn; empty where the poses turn with it.
+
+    Args:
+        by: the witness.
+        told: (k,) rad, its turns; NaN: not known. Also `own`, those of the poses.
+        own: as above.
+        least: rad that the witness must turn.
+    """
+    both = np.isfinite(told) & np.isfinite(own)
+    turned, as_posed = float(told[both].sum()), float(own[both].sum())
+    if abs(turned) <= least or as_posed * np.sign(turned) >= TURNS_WITH * abs(turned):
+        return {}
+    return {"by": by, "told": np.degrees(turned), "own": np.degrees(as_posed)}
 
 
 def _inertial(walk: Walk, windows: Ints) -> tuple[Floats, Floats]:
@@ -364,15 +389,17 @@ def _leans_rad(walk: Walk, windows: Ints) -> float:
 
 MOST_RISE_M: Final = 0.1
 """m by which poses may rise against the legs; also `MOST_RISE`, as a share of the way, which is
-what a lean that is some degrees off makes of it."""
+what a lean that is some degrees off makes of it, and `SINKS`, a share of a leg a stride: how the
+base bounces while no foot stands is guessed."""
 MOST_RISE: Final = 0.05
+SINKS: Final = 0.04
 RISES: Final = 0.2
 """Share of its height, or of the feet's spread, by which a base that rises steadily over its feet
 does not do it itself."""
 FEWEST_STRIDES: Final = 4
 
 
-def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
+def _climb(walk: Walk, feet: Comparison, leg_m: float) -> Iterator[Finding]:
     """Yield that z of the poses goes away from where the feet lift the base."""
     rise = np.cumsum(feet.own.rise - feet.reference.rise)
     metres, height = float(rise[-1]), walk.base and walk.base.height_m
@@ -381,7 +408,9 @@ def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     words: Words = {"metres": metres, "told": feet}
     if feet.by == LEGS:
         goes_alike = feet.goes and SCALES[0] <= feet.scale <= SCALES[1]
-        if goes_alike and abs(metres) > max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m):
+        by_way, by_strides = MOST_RISE * feet.reference.walked_m, SINKS * leg_m * feet.strides
+        most = max(MOST_RISE_M, by_way, by_strides)
+        if goes_alike and abs(metres) > most:
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
     elif feet.strides >= FEWEST_STRIDES and abs(metres) > RISES * tall:
         # A robot that crouches, or stretches its legs, does so at once.

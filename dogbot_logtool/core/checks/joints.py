@@ -36,6 +36,8 @@ OF_A_JOINT_AGREE: Final = 2.0
 """The same of a single joint, whose velocity may be noisy."""
 _MOVES_MUCH: Final = 0.02
 """Share of the sum of squared velocities: joints with less are not judged alone."""
+_LEAST_RANGE: Final = 0.01
+"""rad or m: positions of a joint that moves less, in a stand, tell no velocity."""
 WIDEST: Final = 6.28
 """rad, range that half of a robot's leg joints do not exceed: of degrees any step does."""
 WEAKEST: Final = 1e-3
@@ -116,6 +118,7 @@ def _odd_velocities(moving: Sequence[JointTrack]) -> str:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios, total = squared / moved, squared.sum() / moved.sum()
     judged = (squared > 0.0) & (squared > _MOVES_MUCH * squared.sum())
+    judged &= np.array([joint.range for joint in moving]) > _LEAST_RANGE
     odd = np.flatnonzero(judged & ~_fits(ratios, OF_A_JOINT_AGREE)).tolist()
     if not odd and (not judged.any() or _fits(total, VELOCITIES_AGREE)):
         return ""

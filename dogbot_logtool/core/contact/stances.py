@@ -293,16 +293,19 @@ def lone_spikes(track: FootTrack, begin: Ints, end: Ints) -> Ints:
     inside = (stance >= 0) & (rows < end[stance])
     rows, stance = rows[inside], stance[inside]
     others[rows] = 0.0
-    highest = np.maximum.reduceat(others, np.stack([begin, end], axis=1).ravel())[::2]
+    most = np.maximum.reduceat(others, np.stack([begin, end], axis=1).ravel())[::2]
     duration = track.time[end] - track.time[begin]
     can_tell = (end - begin >= FEWEST_FOR_SPIKES) & (duration <= LONGEST_STANCE_S * 1e9)
-    spikes = can_tell[stance] & (track.force[rows] > SPIKE * highest[stance])
+    spikes = can_tell[stance] & (track.force[rows] > SPIKE * most[stance])
     rows, stance = rows[spikes], stance[spikes]
-    phase = (track.time[rows] - track.time[begin[stance]]) / duration[stance]
+    # The highest of each stance may recur.
+    highest, phase = np.argsort(track.force[rows]), np.full(len(begin), np.nan)
+    since = track.time[rows] - track.time[begin[stance]]
+    phase[stance[highest]] = (since / duration[stance])[highest]
     ordered = np.sort(phase)
     near = np.searchsorted(ordered, phase + SAME_PHASE, side="right")
     near -= np.searchsorted(ordered, phase - SAME_PHASE)
-    return rows[near < max(FEWEST_IMPACTS, RECURS * len(begin))]
+    return rows[near[stance] < max(FEWEST_IMPACTS, RECURS * len(begin))]
 
 
 def stance_figures(

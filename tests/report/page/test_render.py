@@ -29,11 +29,10 @@ from tests.oracles import walks
 from tests.oracles.small_logs import odometry_log
 from tests.paths import TROT, TROUBLED
 from tests.truth import gaits, physics
-from tests.truth.foot_faults import as_flags
 from tests.truth.free_walker import trot
 from tests.truth.log_file import write_log
 from tests.truth.physics import KEPT_S
-from tests.truth.recording import FootRecording, Recording
+from tests.truth.recording import FLAGS, FootRecording, Recording
 from tests.truth.robots import biped
 from tests.truth.walking import Walk
 
@@ -252,7 +251,7 @@ def test_a_page_of_a_long_log_is_small_and_has_every_peak(tmp_path: Path) -> Non
 
 
 def test_a_page_says_what_its_log_lacks(tmp_path: Path) -> None:
-    flags = as_flags(Walk(gaits.WALK, period_s=1.0).recorded(100.0))
+    flags = FLAGS(Walk(gaits.WALK, period_s=1.0).recorded(100.0))
     html = page(measure(write_log(flags, tmp_path / "log.mcap"), MeasureOptions()), 0)
     assert b"tell contact, not force" in html
     assert b"walk (high confidence" in html

@@ -10,6 +10,7 @@ from dogbot_logtool.core.arrays import Bytes, Flags, Ints, distinct
 from dogbot_logtool.reader.containers.log import Messages
 from dogbot_logtool.reader.containers.sqlite.pages import (
     LONGEST_VARINT,
+    SHARED,
     SWOLLEN,
     Cells,
     Damage,
@@ -55,6 +56,9 @@ def find_tables(pages: Pages, names: Mapping[str, Sequence[str]], damage: Damage
             pattern = r"\b[^,]*,\W*".join(names[key])
             if re.match(rf"[^(]*\(\W*{pattern}\b", str(sql), re.IGNORECASE):
                 found.setdefault(key, root)
+    roots = [_MASTER_ROOT, *found.values()]
+    if len({*roots}) < len(roots):
+        damage.reasons.add(SHARED)
     return found
 
 
