@@ -7,7 +7,6 @@ decoders, checksums and all. Nothing of the product takes part in either.
 """
 
 import itertools
-import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -27,7 +26,7 @@ from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.chunks import Compression
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
-from tests.measured import measured, measured_contact
+from tests.measured import measured_contact
 from tests.oracles import conversion, state_walks, walks
 from tests.oracles.annotated_file import (
     Written,
@@ -38,7 +37,7 @@ from tests.oracles.annotated_file import (
     written_loads,
     written_poses,
 )
-from tests.oracles.recorded import BODY_WEIGHT_N, FEET, TF_TYPE, arrow_topic, read_log
+from tests.oracles.recorded import FEET, TF_TYPE, arrow_topic, read_log
 from tests.oracles.small_logs import odd_contacts, small_walk, write_bag, write_ros1_mcap
 from tests.oracles.state_walks import StateWalk
 from tests.paths import TROT, TROUBLED, WALK
@@ -128,24 +127,6 @@ def assert_same_arrows(
         np.testing.assert_allclose(found, wanted, rtol=rtol, atol=atol, err_msg=name)
 
 
-def assert_measured_loads(actual: list[conversion.Load], log: Path, foot: str) -> None:
-    """Besides those that were measured there are only the first time's, and those of silences."""
-    first = opening_of(log)
-    (track,) = (each.record.track for each in measured(log).walk.feet if each.name == foot)
-    contact = measured_contact(log, foot) or {}
-    force = dict(zip(track.log_time.tolist(), track.force.tolist(), strict=True))
-    force = {time: force[time] for time in sorted(force)}
-    extra = [one for one in actual if one.log_time not in force]
-    assert all(one.log_time == first or math.isnan(one.force) for one in extra)
-    actual = [one for one in actual if one.log_time in force]
-    told = [(one.log_time, one.in_contact) for one in actual]
-    assert told == [(time, contact.get(time, False)) for time in force]
-    newtons = np.array([*force.values()])
-    np.testing.assert_allclose([one.force for one in actual], newtons, rtol=1e-12)
-    weights = [one.body_weights for one in actual]
-    np.testing.assert_allclose(weights, newtons / BODY_WEIGHT_N, rtol=1e-12)
-
-
 def assert_same_poses(
     actual: list[conversion.Pose], expected: list[conversion.Pose], opening: int
 ) -> None:
@@ -172,7 +153,7 @@ def test_annotations_are_what_message_by_message_conversion_gives(
         found = written_arrows(done.written, foot, encoding, style)
         assert_same_arrows(found, arrows, style, encoding)
         loads = written_loads(done.written, foot, encoding)
-        assert_measured_loads(loads, log, foot)
+        # Their forces, the golden files have.
         states = {(load.state, load.in_contact) for load in loads if load.state != "unknown"}
         # Of a dead sensor nothing is known.
         assert states == ({("stance", True), ("swing", False)} if contact else set())
