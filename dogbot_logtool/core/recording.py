@@ -1,6 +1,6 @@
 """A whole log as columns: all that is measured is computed from these."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, NamedTuple
 
@@ -62,11 +62,6 @@ class JointSamples:
     velocity: Floats
     effort: Floats
 
-    def only(self, joints: Ints | slice) -> "JointSamples":
-        """Return the states of some joints: copies, or views of a slice."""
-        values = (each[:, joints] for each in (self.position, self.velocity, self.effort))
-        return JointSamples(self.log_time, self.stamp, *values)
-
 
 class JointTable(NamedTuple):
     """Joint states of a topic, in the order of the log."""
@@ -75,6 +70,17 @@ class JointTable(NamedTuple):
     names: tuple[str, ...]
     """Names of the joints in `samples`."""
     samples: JointSamples
+
+    @property
+    def seconds(self) -> Floats:
+        """(n,) s since the first, by stamps."""
+        return np.asarray((self.samples.stamp - self.samples.stamp[0]) / 1e9)
+
+    def of(self, names: Sequence[str]) -> JointSamples:
+        """Return the states of some joints, in this order."""
+        columns, all_of = [self.names.index(name) for name in names], self.samples
+        values = (each[:, columns] for each in (all_of.position, all_of.velocity, all_of.effort))
+        return JointSamples(all_of.log_time, all_of.stamp, *values)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -38,7 +38,7 @@ from tests.oracles.small_logs import (
     write_standing_log,
 )
 from tests.oracles.walks import Entry
-from tests.paths import ROOT, TROT, TROUBLED
+from tests.paths import TROT, TROUBLED
 from tests.truth import physics
 from tests.truth.free_walker import trot
 from tests.truth.geometry import hull, margin
@@ -48,7 +48,6 @@ from tests.truth.physics import KEPT_S
 # --- Support --------------------------------------------------------------------------------------
 
 
-DOGBOT = ROOT / "dogbot_logtool/robot/known/dogbot.toml"
 PLACES: Final = {
     foot: tuple(a + b for a, b in zip(BASE, offset, strict=True)) for foot, offset in FEET.items()
 }

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dogbot_logtool.core.arrays import Floats, Ints
+from dogbot_logtool.core.clock import TimeSource
 from dogbot_logtool.core.frames.kinematics import Joint, link_poses
 from dogbot_logtool.core.frames.transforms import (
     DEEPEST,
@@ -18,11 +19,12 @@ from dogbot_logtool.core.frames.transforms import (
     FrameTrack,
     Poses,
     SecondParent,
-    frame_track,
+    Transforms,
     lookup,
     loops,
     roots,
     second_parents,
+    track_of,
     trees,
     walk,
 )
@@ -120,7 +122,9 @@ def tracks_of(
     *,
     static: bool = False,
 ) -> dict[str, FrameTrack]:
-    track = frame_track(parent, time, log_time, shift, turn, static=static)
+    channel, is_static = np.zeros_like(time), np.full(len(time), static)
+    recorded = Transforms(channel, is_static, log_time, time, shift, turn)
+    track = track_of(parent, recorded, TimeSource.HEADER)
     return {child: track} if track else {}
 
 
@@ -130,7 +134,7 @@ def spinning(time: Ints, log_time: Ints | None = None) -> dict[str, FrameTrack]:
     log_time = time if log_time is None else log_time
     shift = np.stack([2.0 * seconds, 0.0 * seconds, 0.0 * seconds], axis=1)
     bend, beside = about_axis(0, np.array([0.3])), np.array([[0.0, 1.0, 0.0]])
-    base = tracks_of("/world", "base_link", time, log_time, shift, about_axis(2, seconds))
+    base = tracks_of("world", "base_link", time, log_time, shift, about_axis(2, seconds))
     return base | tracks_of("base_link", "leg", at(0), at(0), beside, bend, static=True)
 
 

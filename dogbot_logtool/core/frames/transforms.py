@@ -71,43 +71,21 @@ class FrameTrack(NamedTuple):
     """(n, 4) unit quaternion x, y, z, w."""
 
 
-def frame_track(
-    parent: str,
-    time: Ints,
-    log_time: Ints,
-    translation: Floats,
-    rotation: Floats,
-    *,
-    static: bool = False,
-) -> FrameTrack | None:
-    """Return what can be used of one frame's transforms; None: nothing.
+def track_of(parent: str, recorded: Transforms, clock: TimeSource) -> FrameTrack | None:
+    """Return what can be used of a frame's transforms in a parent; None: nothing.
 
-    Those that are not finite are left out, and those that step back in time.
-
-    Args:
-        parent: frame id, with or without a leading slash.
-        time: (n,) ns, in the order of the log.
-        log_time: (n,) ns.
-        translation: (n, 3) m, in the parent.
-        rotation: (n, 4) quaternion x, y, z, w.
-        static: whether they hold at any time; the latest one does.
+    Those that are not finite are left out, and those that step back in time. If some were sent to
+    hold for ever, the latest of these does.
     """
-    sound = all_finite(translation) & all_finite(rotation)
-    rows = np.flatnonzero(sound & (rotation != 0.0).any(axis=1))
+    static = bool(recorded.static.any())
+    sound = all_finite(recorded.translation) & all_finite(recorded.rotation)
+    sound &= (recorded.rotation != 0.0).any(axis=1) & (recorded.static == static)
+    rows, time = np.flatnonzero(sound), clock.of(recorded)
     rows = rows[-1:] if static else rows[advancing(time[rows])]
     if not len(rows):
         return None
-    turned, above = normalised(rotation[rows]), parent.lstrip("/")
-    return FrameTrack(above, static, time[rows], log_time[rows], translation[rows], turned)
-
-
-def track_of(parent: str, recorded: Transforms, clock: TimeSource) -> FrameTrack | None:
-    """Return the track of a frame: by its static transforms, if it has any; None of none."""
-    static = bool(recorded.static.any())
-    if static:
-        recorded = picked(recorded, recorded.static)
-    shift, turn = recorded.translation, recorded.rotation
-    return frame_track(parent, clock.of(recorded), recorded.log_time, shift, turn, static=static)
+    used, turned = picked(recorded, rows), normalised(recorded.rotation[rows])
+    return FrameTrack(parent, static, time[rows], used.log_time, used.translation, turned)
 
 
 def lookup(

@@ -37,7 +37,6 @@ from dogbot_logtool.core.legs.ground import (
     FEWEST,
     LONGEST_BOUNCE_S,
     FeetOnGround,
-    LegJoints,
     at_rest,
     effort_fault,
     ground_forces,
@@ -46,7 +45,7 @@ from dogbot_logtool.core.legs.ground import (
     resting_feet,
     stuck_joint,
 )
-from dogbot_logtool.core.recording import Recording
+from dogbot_logtool.core.recording import JointTable, Recording
 from dogbot_logtool.core.rotations import from_roll_pitch_yaw, rotate
 from dogbot_logtool.core.settings import GRAVITY_MPS2
 
@@ -87,7 +86,7 @@ class Estimate(NamedTuple):
 def estimate(
     recording: Recording,
     legs: Sequence[Leg],
-    joints: LegJoints,
+    joints: JointTable,
     mounting: Floats,
     mass_kg: float | None,
 ) -> Estimate:
@@ -103,7 +102,7 @@ def estimate(
     Raises:
         ValueError: a sentence: why they tell nothing.
     """
-    motions = [leg_motion(leg, joints.position[:, joints.columns(leg.measured)]) for leg in legs]
+    motions = [leg_motion(leg, joints.of(leg.measured).position) for leg in legs]
     if stuck := stuck_joint(joints, legs):
         raise ValueError(stuck)
     feet = resting_feet(joints, motions, _inertial(recording, joints, mounting))
@@ -121,8 +120,8 @@ def estimate(
     placed = base
     if len(recording.base.log_time):
         poses = base_history(recording.base, TimeSource.HEADER)
-        turned = from_roll_pitch_yaw(poses.angles_at(joints.time))
-        placed = replace(base, position=poses.position_at(joints.time), orientation=turned)
+        turned = from_roll_pitch_yaw(poses.angles_at(joints.samples.stamp))
+        placed = replace(base, position=poses.position_at(joints.samples.stamp), orientation=turned)
     return Estimate(
         feet=tuple(
             _samples(foot, standing[:, foot], feet.points[:, foot], force[:, foot], placed)
@@ -137,7 +136,7 @@ def estimate(
 
 def _turned_by_feet(feet: FeetOnGround) -> FeetOnGround:
     """Tell which feet rest where the base turns as they tell: first the low ones, then these."""
-    time, standing = feet.joints.time, feet.low()
+    time, standing = feet.joints.samples.stamp, feet.low()
     between = time[:-1] + np.diff(time) // 2
     for _ in range(2):
         rates = bridged(feet.turn_by(standing), (between - time[0]) / 1e9)
@@ -180,7 +179,7 @@ def _unsure(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> str:
     )
 
 
-def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> Inertial:
+def _inertial(recording: Recording, joints: JointTable, mounting: Floats) -> Inertial:
     """Return how the base leans and turns by its inertial unit, if it has one.
 
     Args:
@@ -191,17 +190,19 @@ def _inertial(recording: Recording, joints: LegJoints, mounting: Floats) -> Iner
     readings = recording.accelerations
     if readings is not None:
         read, times = readings.samples, readings.samples.stamp
-        near = (times >= joints.time[0] - LONG_NS) & (times <= joints.time[-1] + LONG_NS)
+        near = (times >= joints.samples.stamp[0] - LONG_NS) & (
+            times <= joints.samples.stamp[-1] + LONG_NS
+        )
         rows = np.flatnonzero(near & all_finite(read.vector) & all_finite(read.turn_rate))
         rows = rows[advancing(times[rows])]
         if len(rows) >= FEWEST:
             felt, turn = (rotate(mounting[None], e[rows]) for e in (read.vector, read.turn_rate))
             turn -= _bias(joints, times[rows], turn)
-            return inertial_at(joints.time, times[rows], felt, turn)
-    return level(len(joints.time))
+            return inertial_at(joints.samples.stamp, times[rows], felt, turn)
+    return level(len(joints.samples.stamp))
 
 
-def _bias(joints: LegJoints, time: Ints, turn: Floats) -> Floats:
+def _bias(joints: JointTable, time: Ints, turn: Floats) -> Floats:
     """(3,) rad/s that a gyroscope reads while the robot stands, as far as it does.
 
     Args:
@@ -209,18 +210,17 @@ def _bias(joints: LegJoints, time: Ints, turn: Floats) -> Floats:
         time: (m,) ns, of the readings.
         turn: (m, 3) rad/s.
     """
-    part = joints.time // STILL_NS
+    part, position = joints.samples.stamp // STILL_NS, joints.samples.position
     starts = np.flatnonzero(np.diff(part, prepend=part[0] - 1))
-    highest = np.maximum.reduceat(joints.position, starts)
-    moved = (highest - np.minimum.reduceat(joints.position, starts)).max(axis=1)
-    still = np.isin(time // STILL_NS, part[starts][moved < STILL_RAD])
+    moved = np.maximum.reduceat(position, starts) - np.minimum.reduceat(position, starts)
+    still = np.isin(time // STILL_NS, part[starts][moved.max(axis=1) < STILL_RAD])
     bias = turn[still].mean(axis=0) if still.any() else np.zeros(3)
     return np.where(np.abs(bias) < LARGEST_BIAS_RADPS, bias, 0.0)
 
 
 def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
     """Return (n, f, 3) N along the base's axes; zeros, and why, where efforts tell none."""
-    none, effort = np.zeros_like(feet.points), feet.joints.effort
+    none, effort = np.zeros_like(feet.points), feet.joints.samples.effort
     if not (np.isfinite(effort).all() and effort.any()):
         return none, "efforts are empty or zero"
     force = ground_forces(feet)
@@ -229,11 +229,11 @@ def _forces(feet: FeetOnGround, mass_kg: float | None) -> tuple[Floats, str]:
     return (none if why else force), why
 
 
-def _debounced(joints: LegJoints, standing: Flags, resting: Flags) -> Flags:
+def _debounced(joints: JointTable, standing: Flags, resting: Flags) -> Flags:
     """(n,) when a foot stands, also while it bounces at touchdown."""
     swings = np.diff(joints.seconds[flagged_runs(~resting) - [0, 1]])
     bounce_s = min(BOUNCE * float(median_of(swings)), LONGEST_BOUNCE_S) if len(swings) else 0.0
-    begin, end, _, _ = find_stances(joints.time, standing, SHORTEST_S, bounce_s)
+    begin, end, _, _ = find_stances(joints.samples.stamp, standing, SHORTEST_S, bounce_s)
     return rows_in_stances(begin, end, standing)
 
 
@@ -254,7 +254,7 @@ def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     height = np.where(standing, -feet.upwards(feet.points), np.nan)
     position[:, 2] = bridged(mean_of_known(height)[:, None], joints.seconds)[:, 0]
     turned, rate = from_roll_pitch_yaw(found.angles), np.gradient(position, joints.seconds, axis=0)
-    return Odometry(joints.log_time, joints.time, position, turned, rate)
+    return Odometry(joints.samples.log_time, joints.samples.stamp, position, turned, rate)
 
 
 def _samples(foot: int, standing: Flags, points: Floats, force: Floats, base: Odometry) -> Samples:

@@ -17,13 +17,13 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
-    Ints,
     all_finite,
     flagged_runs,
     latched,
     median_of,
     median_of_known,
     percentiles_of,
+    picked,
 )
 from dogbot_logtool.core.base.leg_odometry import (
     Inertial,
@@ -41,32 +41,7 @@ FEWEST: Final = 20
 """Joint states at least."""
 
 
-class LegJoints(NamedTuple):
-    """The k joints of all legs at n times."""
-
-    names: tuple[str, ...]
-    topic: str
-    """The topic that tells of most of them."""
-    log_time: Ints
-    """(n,) ns."""
-    time: Ints
-    """(n,) ns, by stamps; strictly increasing."""
-    position: Floats
-    """(n, k) rad or m."""
-    effort: Floats
-    """(n, k) N m or N; NaN: not told."""
-
-    @property
-    def seconds(self) -> Floats:
-        """(n,) s since the first."""
-        return np.asarray((self.time - self.time[0]) / 1e9)
-
-    def columns(self, names: Sequence[str]) -> list[int]:
-        """Return the columns of some joints."""
-        return [self.names.index(name) for name in names]
-
-
-def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoints:
+def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> JointTable:
     """Return the joints of the topic that tells of most of them.
 
     Args:
@@ -80,25 +55,19 @@ def joints_of_legs(tables: Sequence[JointTable], names: Sequence[str]) -> LegJoi
     if lacking := [name for name in names if name not in table.names]:
         text = f"joint states of {table.topic} do not tell of {', '.join(lacking)}"
         raise ValueError(f"{text}, which the robot description has")
-    samples = table.samples.only(np.array([table.names.index(name) for name in names]))
+    samples = table.of(names)
     rows = rows_in_time(samples, TimeSource.HEADER, all_finite(samples.position))
     rows = rows[first_at_each_tick(samples.stamp[rows], RATE_HZ)]
     if len(rows) < FEWEST:
         raise ValueError("too few joint states tell the positions of all joints of the legs")
-    values = (
-        samples.log_time[rows],
-        samples.stamp[rows],
-        samples.position[rows],
-        samples.effort[rows],
-    )
-    return LegJoints(tuple(names), table.topic, *values)
+    return JointTable(table.topic, tuple(names), picked(samples, rows))
 
 
 MOVES_RAD: Final = 0.05
 """rad, or m: a joint that goes further moves."""
 
 
-def stuck_joint(joints: LegJoints, legs: Sequence[Leg]) -> str:
+def stuck_joint(joints: JointTable, legs: Sequence[Leg]) -> str:
     """Say which joint tells one position while the other legs' joints of its place move.
 
     Args:
@@ -108,9 +77,8 @@ def stuck_joint(joints: LegJoints, legs: Sequence[Leg]) -> str:
     Returns:
         a sentence; empty: there is none.
     """
-    reach = np.ptp(joints.position, axis=0)
     for alike in zip(*(leg.measured for leg in legs), strict=False):
-        moved = reach[joints.columns(alike)]
+        moved = np.ptp(joints.of(alike).position, axis=0)
         if moved.min() == 0.0 and median_of(moved) > MOVES_RAD:
             return f"{alike[moved.argmin()]} tells one position while other legs move"
     return ""
@@ -146,7 +114,7 @@ LONGEST_EDGE_S: Final = 0.2
 class FeetOnGround(NamedTuple):
     """Which feet rest on the ground, by how they and the base move."""
 
-    joints: LegJoints
+    joints: JointTable
     legs: Sequence[LegMotion]
     """How each moves with them."""
     inertial: Inertial
@@ -167,7 +135,7 @@ class FeetOnGround(NamedTuple):
 
     def turn_by(self, standing: Flags) -> Floats:
         """(n - 1, 3) rad/s, by feet that stand, about z only; NaN where they do not tell."""
-        return leg_odometry(self.joints.time, self.points, standing).turn_rate
+        return leg_odometry(self.joints.samples.stamp, self.points, standing).turn_rate
 
     def low(self) -> Flags:
         """(n, f) which feet are so low that they may stand, however the base turns."""
@@ -178,7 +146,7 @@ class FeetOnGround(NamedTuple):
         """Return how the base moves by those of standing feet that agree."""
         sure = standing & self.agreeing
         turn = self.inertial.turn
-        return leg_odometry(self.joints.time, self.points, sure, turn, self.velocity)
+        return leg_odometry(self.joints.samples.stamp, self.points, sure, turn, self.velocity)
 
 
 def slopes(seconds: Floats, values: Floats) -> Floats:
@@ -199,7 +167,7 @@ def slopes(seconds: Floats, values: Floats) -> Floats:
     return np.asarray((values[after] - values[before]) / apart)
 
 
-def resting_feet(joints: LegJoints, legs: Sequence[LegMotion], inertial: Inertial) -> FeetOnGround:
+def resting_feet(joints: JointTable, legs: Sequence[LegMotion], inertial: Inertial) -> FeetOnGround:
     """Tell which feet rest on the ground: those that are low, and agree on the base's velocity.
 
     Args:
@@ -207,12 +175,13 @@ def resting_feet(joints: LegJoints, legs: Sequence[LegMotion], inertial: Inertia
         legs: motion of each.
         inertial: how the base leans and turns.
     """
-    rates, points, moved = slopes(joints.seconds, joints.position), [], []
+    points, moved = [], []
     for each in legs:
         points.append(each.foot - each.leg.radius_m * inertial.up)
         jacobian, _ = each.jacobian(points[-1])
-        moved.append(np.einsum("nik,nk->ni", jacobian, rates[:, joints.columns(each.leg.measured)]))
-    none = np.zeros((len(joints.time), len(legs)), np.bool_)
+        rates = slopes(joints.seconds, joints.of(each.leg.measured).position)
+        moved.append(np.einsum("nik,nk->ni", jacobian, rates))
+    none = np.zeros((len(joints.seconds), len(legs)), np.bool_)
     places, velocity = np.stack(points, axis=1), np.stack(moved, axis=1)
     feet = FeetOnGround(joints, legs, inertial, places, velocity, none, none, none)
     return at_rest(feet, feet.low())
@@ -298,7 +267,7 @@ def ground_forces(feet: FeetOnGround) -> Floats:
 def _force(feet: FeetOnGround, foot: int, leg: LegMotion) -> Floats:
     """(n, 3) N, the force on a foot; moments too where joints tell, which are damped."""
     seconds, felt, point = feet.joints.seconds, feet.inertial.felt, feet.points[:, foot]
-    effort = feet.joints.effort[:, feet.joints.columns(leg.leg.measured)]
+    effort = feet.joints.of(leg.leg.measured).effort
     carried = np.zeros_like(effort)
     for number, mass in enumerate(leg.leg.masses):
         centre = leg.centres[:, number]

@@ -15,6 +15,7 @@ from dogbot_logtool.core.arrays import (
     Ints,
     median_of,
     middles,
+    picked,
 )
 from dogbot_logtool.core.base.ground import (
     LONGEST_STEP_S,
@@ -29,11 +30,11 @@ from dogbot_logtool.core.clock import (
     rows_in_time,
 )
 from dogbot_logtool.core.frames import kinematics
-from dogbot_logtool.core.frames.transforms import FrameTrack, frame_track
+from dogbot_logtool.core.frames.transforms import FrameTrack
 from dogbot_logtool.core.gait.feet import CYCLE, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Joint, Legs
-from dogbot_logtool.core.recording import JointTable
+from dogbot_logtool.core.recording import JointSamples, JointTable
 from dogbot_logtool.core.records import Shape
 
 NEAR_LIMIT: Final = 0.02
@@ -107,9 +108,9 @@ class JointTrack(NamedTuple):
     """Sum of v^2 dt, with v the velocity that messages tell; 0: they tell none."""
     reported_moved: float
     """Sum of v dq: what `reported_squared` is where velocities are those of the positions."""
-    foot: int | None = None
+    foot: int | None
     """Index of the foot that it moves; None: it moves none."""
-    follows: bool = False
+    follows: bool
     """Whether the robot's description says that another joint moves it."""
 
     @property
@@ -143,40 +144,23 @@ def joint_tracks(
         clock: which time counts.
         settings: which feet joints move, and their limits.
     """
-    following = {each.name for each in settings.joints if each.source}
     found: dict[str, JointTrack] = {}
     for table in tables:
         samples = table.samples
-        used: dict[bytes, tuple[Ints, Ints]] = {}
-        """Rows and times by the messages that have states: those of most joints are the same."""
+        used: dict[bytes, Ints] = {}
+        """Rows by the messages that have states: those of most joints are the same."""
         for column, name in enumerate(table.names):
             recorded = np.abs(samples.position[:, column]) <= _IMPLAUSIBLE
             key = recorded.tobytes()
             if key not in used:
-                rows = rows_in_time(samples, clock, recorded)
-                used[key] = rows, clock.of(samples)[rows]
-            rows, time = used[key]
-            if len(rows) and name not in found:
-                position, velocity, effort = (
-                    each[rows, column].astype(np.float64)
-                    for each in (samples.position, samples.velocity, samples.effort)
-                )
-                limits = settings.limits.get(name, JointLimits())
-                times = time, samples.log_time[rows]
-                track = _track(name, times, position, velocity, effort, limits)
-                foot = settings.foot_of_joint.get(name)
-                found[name] = track._replace(foot=foot, follows=name in following)
+                used[key] = rows_in_time(samples, clock, recorded)
+            if len(used[key]) and name not in found:
+                own = picked(table.of([name]), used[key])
+                found[name] = _track(name, own, clock, settings)
     return dict(sorted(found.items()))
 
 
-def _track(
-    name: str,
-    times: tuple[Ints, Ints],
-    position: Floats,
-    velocity: Floats,
-    effort: Floats,
-    limits: JointLimits,
-) -> JointTrack:
+def _track(name: str, states: JointSamples, clock: TimeSource, settings: LegSettings) -> JointTrack:
     """Measure a joint.
 
     Power is effort times velocity, by the trapezoidal rule. Without velocities, or with none but
@@ -184,19 +168,16 @@ def _track(
 
     Args:
         name: of the joint.
-        times: (n,) ns each, on the clock that counts, and log times.
-        position: (n,) rad or m.
-        velocity: (n,) rad/s or m/s; NaN: not recorded.
-        effort: (n,) N m or N; NaN: not recorded.
-        limits: of the joint.
+        states: (n,) of this joint only.
+        clock: which time counts.
+        settings: with the limits of joints.
     """
-    time, log_time = times
+    time, limits = clock.of(states), settings.limits.get(name, JointLimits())
     step_s = np.diff(time) / 1e9
     step_s[step_s > LONGEST_STEP_S] = np.nan
+    values = np.stack([states.position, states.velocity, states.effort])[:, :, 0].astype(np.float64)
+    position, velocity, effort = np.where(np.abs(values) <= _IMPLAUSIBLE, values, np.nan)
     position = np.unwrap(position, LEAST_WRAP)
-    velocity, effort = (
-        np.where(np.abs(each) <= _IMPLAUSIBLE, each, np.nan) for each in (velocity, effort)
-    )
     displacement, known_s = np.diff(position), float(np.nansum(step_s))
     moves = bool(displacement.any())
     if (np.isfinite(velocity) & (velocity != 0.0)).any():
@@ -219,7 +200,7 @@ def _track(
     return JointTrack(
         name=name,
         time=time,
-        log_time=log_time,
+        log_time=states.log_time,
         position=position.astype(np.float32),
         work=np.concatenate([np.zeros((2, 1)), works], axis=1).astype(np.float32),
         metrics=Joint(
@@ -237,6 +218,8 @@ def _track(
         rate_hz=len(time) / max(known_s, 1e-9),
         reported_squared=float(np.nansum(middle**2 * step_s)),
         reported_moved=float(np.nansum(middle * displacement + 0.0 * step_s)),
+        foot=settings.foot_of_joint.get(name),
+        follows=any(each.source for each in settings.joints if each.name == name),
     )
 
 
@@ -276,8 +259,7 @@ def link_tracks(
             position = track.position[rows].astype(np.float64)
             times = track.time[rows], track.log_time[rows]
         shift, turn = kinematics.link_poses([joint], position[:, None])
-        found = frame_track(joint.parent, *times, shift[:, 0], turn[:, 0], static=not moves)
-        links |= {joint.child: found} if found else {}
+        links[joint.child] = FrameTrack(joint.parent, not moves, *times, shift[:, 0], turn[:, 0])
     return links
 
 
