@@ -11,7 +11,7 @@ from dogbot_logtool.conversion.scene import Scene
 from dogbot_logtool.core.arrays import AnyColumns, Ints, picked
 from dogbot_logtool.core.events import STEPS, to_log_time, with_steps
 from dogbot_logtool.core.gait.segments import gait_changes
-from dogbot_logtool.core.scene.arrows import Arrows, force_arrows, pressure_arrows
+from dogbot_logtool.core.scene.arrows import Arrows, sample_arrows
 from dogbot_logtool.core.scene.feet import DrawnFoot, foot_labels, foot_loads
 from dogbot_logtool.core.scene.support_scene import leg_lines, support_scene
 from dogbot_logtool.reader.containers.log import Log
@@ -101,8 +101,7 @@ def _arrows(scene: Scene, foot: DrawnFoot, rows: slice) -> tuple[Arrows, Counter
         force=samples.force.astype(np.float64),
         normal=samples.normal.astype(np.float64),
     )
-    made = force_arrows if scene.style.along_force else pressure_arrows
-    return made(samples, scene.arrow_scale)
+    return sample_arrows(samples, scene.arrow_scale, along_force=scene.style.along_force)
 
 
 def _records_of_the_whole(annotations: Annotations, scene: Scene) -> Iterator[MessageRecords]:

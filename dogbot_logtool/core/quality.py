@@ -43,15 +43,14 @@ def usual_interval_ns(steps: Ints) -> float | None:
     intervals = steps[steps > 0]
     if len(intervals) < FEWEST_INTERVALS:
         return None
-    low, median, high = _quartiles(intervals)
-    breaks = intervals[intervals > GAP_INTERVALS * low]
-    total = _total(intervals)
-    silences = breaks[breaks > SILENCE_NS]
-    if 2.0 * _total(silences) > total:
+    low, median, high = percentiles_of(intervals, (25.0, 50.0, 75.0)).tolist()
+    silences = intervals[intervals > max(GAP_INTERVALS * low, SILENCE_NS)]
+    silent_ns = _total(silences)
+    speaking_ns = _total(intervals) - silent_ns
+    if silent_ns > speaking_ns:
         if len(silences) >= FEWEST_INTERVALS:
             return _usual(silences)
-        run_ns = (total - _total(silences)) / (len(silences) + 1)
-        if high - low > median or run_ns < SILENCE_NS:
+        if high - low > median or speaking_ns < SILENCE_NS * (len(silences) + 1):
             return None
     return _usual(intervals)
 
@@ -73,13 +72,8 @@ def steady_gap_ns(steps: Ints) -> float:
 
 
 def _usual(intervals: Ints) -> float:
-    low, median, high = _quartiles(intervals)
-    return min(float(percentiles_of(intervals, 95.0)), median + 2.0 * (high - low))
-
-
-def _quartiles(intervals: Ints) -> tuple[float, float, float]:
-    low, median, high = percentiles_of(intervals, (25.0, 50.0, 75.0)).tolist()
-    return low, median, high
+    low, median, high, latest = percentiles_of(intervals, (25.0, 50.0, 75.0, 95.0)).tolist()
+    return float(min(latest, median + 2.0 * (high - low)))
 
 
 def _total(intervals: Ints) -> float:

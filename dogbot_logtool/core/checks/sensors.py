@@ -283,7 +283,7 @@ def sampled_slowly(walk: Walk) -> Iterator[Finding]:
 def payload(walk: Walk) -> Iterator[Finding]:
     """Yield that the feet's sum changes lastingly: a load is put on, or taken off."""
     time, weight = _weights(walk)
-    if not len(weight):
+    if len(weight) < FEWEST_WEIGHTS:
         return
     # The stride in which it changes belongs to neither part.
     shift = np.abs(np.cumsum(weight - weight.mean()))
@@ -302,18 +302,15 @@ def payload(walk: Walk) -> Iterator[Finding]:
 
 def _weights(walk: Walk) -> tuple[Ints, Floats]:
     """Return when, and the feet's mean load over each stride then, (k,) N; none: not known."""
-    known = timespans.intersect([each.known for each in walk.records])
-    forced = all(each.has_force for each in walk.records) and len(walk.records) > 0
-    if not walk.period_s or not forced or not walk.contacts_known:
-        known = timespans.no_spans()
-    half = round((walk.period_s or 1.0) * 5e8)
+    records, track = walk.records, walk.track
+    if not walk.period_s or not walk.contacts_known or not all(each.has_force for each in records):
+        return np.empty(0, np.int64), np.empty(0)
+    half = round(walk.period_s * 5e8)
     # The belly of a robot that lies carries it.
-    track = walk.track
-    down = down_spans(track.history, walk.records, track.height_m)
-    known = timespans.subtract(known, timespans.merge(np.concatenate([walk.fallen, down])))
+    down = [walk.fallen, down_spans(track.history, records, track.height_m)]
+    known = timespans.intersect([each.known for each in records])
+    known = timespans.subtract(known, timespans.merge(np.concatenate(down)))
     time = timespans.ticks(known, 2 * half)
     time = time[timespans.hold_window(known, time, half, half)]
     kind = "vertical_impulse" if walk.vertical_known else "force_impulse"
-    if len(time) < FEWEST_WEIGHTS:
-        return time[:0], np.empty(0)
-    return time, np.asarray(mean_impulses(walk.records, kind, time, half).sum(axis=1))
+    return time, np.asarray(mean_impulses(records, kind, time, half).sum(axis=1))

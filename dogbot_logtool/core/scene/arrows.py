@@ -207,30 +207,6 @@ def classic_arrows(contacts: Contacts) -> tuple[Arrows, Counter[str]]:
     return arrows, Counter({why: int(count) for why, count in skipped.items()})
 
 
-def pressure_arrows(samples: Samples, scale: ArrowScale) -> tuple[Arrows, Counter[str]]:
-    """Compute arrows straight up from the mean contact point, as long as the force is large.
-
-    No arrow is longer than `LONGEST_M`; so it is with `force_arrows`.
-    """
-    count = len(samples.log_time)
-    orientation = np.tile(np.array(STRAIGHT_UP), (count, 1))
-    return _arrows(samples, orientation, np.ones(count, np.bool_), scale)
-
-
-def force_arrows(samples: Samples, scale: ArrowScale) -> tuple[Arrows, Counter[str]]:
-    """Compute arrows along the ground-reaction force from the mean contact point.
-
-    Where forces are not in the world frame, only the magnitude is known, and it is drawn along the
-    mean contact normal.
-    """
-    magnitude = norms(samples.force)
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        along_force = samples.force / magnitude[:, None]
-    direction = np.where(samples.in_world[:, None], along_force, samples.normal)
-    has_direction = all_finite(direction) | ~((magnitude > 0.0) & np.isfinite(magnitude))
-    return _arrows(samples, turn_x_to(direction), has_direction, scale)
-
-
 def turn_x_to(direction: Floats) -> Floats:
     """Return the shortest rotation that turns the +x axis to each direction.
 
@@ -253,28 +229,51 @@ def turn_x_to(direction: Floats) -> Floats:
     return quaternion
 
 
-def _arrows(
-    samples: Samples, orientation: Floats, has_direction: Flags, scale: ArrowScale
+def _along_force(samples: Samples, magnitude: Floats) -> tuple[Floats, Flags]:
+    """Return orientations along the ground-reaction force, and which are known where there is one.
+
+    Where forces are not in the world frame, only the magnitude, (n,) N, is known, and it is drawn
+    along the mean contact normal.
+    """
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        unit = samples.force / magnitude[:, None]
+    direction = np.where(samples.in_world[:, None], unit, samples.normal)
+    has_force = (magnitude > 0.0) & np.isfinite(magnitude)
+    return turn_x_to(direction), all_finite(direction) | ~has_force
+
+
+def sample_arrows(
+    samples: Samples, scale: ArrowScale, *, along_force: bool
 ) -> tuple[Arrows, Counter[str]]:
-    """Return the arrows that can be drawn; every other sample removes its foot's arrow.
+    """Compute arrows from the mean contact point, as long as the force is large.
+
+    No arrow is longer than `LONGEST_M`. A sample whose arrow cannot be drawn removes its foot's.
+
+    Args:
+        samples: of a foot.
+        scale: of their lengths and colours.
+        along_force: whether they point along the force; else straight up.
 
     Returns:
         arrows, and how many samples in contact have none, by ``not_finite``, ``no_position`` and
         ``no_direction``.
     """
-    magnitude = norms(samples.force)
+    magnitude, count = norms(samples.force), len(samples.log_time)
+    orientation, has_direction = np.tile(STRAIGHT_UP, (count, 1)), np.ones(count, np.bool_)
+    if along_force:
+        orientation, has_direction = _along_force(samples, magnitude)
     length = magnitude / scale.newtons_per_metre
     with np.errstate(invalid="ignore"):
         load = magnitude / scale.full_scale_n
         wavelength = SHORTEST_NM + load * (LONGEST_NM - SHORTEST_NM)
-    touching, has_position = samples.in_contact, samples.points > 0
+    has_position = samples.points > 0
     finite = np.isfinite(length) & (all_finite(samples.position) | ~has_position)
-    skipped = {
-        "not_finite": touching & ~finite,
-        "no_position": touching & finite & ~has_position,
-        "no_direction": touching & finite & has_position & ~has_direction,
-    }
-    visible = touching & finite & has_position & has_direction & (length > 0.0)
+    needs = {"not_finite": finite, "no_position": has_position, "no_direction": has_direction}
+    drawn, skipped = samples.in_contact, Counter[str]()
+    for why, holds in needs.items():
+        skipped[why] = int((drawn & ~holds).sum())
+        drawn = drawn & holds
+    visible = drawn & (length > 0.0)
     colour = np.zeros((len(visible), 4), np.float32)
     colour[visible] = wavelength_to_rgba(np.clip(wavelength[visible], SHORTEST_NM, LONGEST_NM))
     arrows = Arrows(
@@ -287,4 +286,4 @@ def _arrows(
         length=np.minimum(length, LONGEST_M),
         colour=colour,
     )
-    return arrows, Counter({why: int(rows.sum()) for why, rows in skipped.items()})
+    return arrows, skipped
