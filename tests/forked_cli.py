@@ -81,7 +81,9 @@ def run(
             os.killpg(process.pid or 0, signal.SIGKILL)
             process.join()
             raise subprocess.TimeoutExpired([*map(str, words)], timeout)
-        return Ended(process.exitcode or 0, _text(out), _text(err), peak_mb.value)
+        ended = Ended(process.exitcode or 0, _text(out), _text(err), peak_mb.value)
+    assert "Traceback" not in ended.stderr, (words, ended.stderr)
+    return ended
 
 
 def _text(file: IO[bytes]) -> str:

@@ -25,7 +25,7 @@ from dogbot_logtool.robot.frames import Frames, frame_findings, read_frames
 from dogbot_logtool.robot.measuring.plan import settings_of
 from dogbot_logtool.robot.recorded import without_annotations
 from dogbot_logtool.robot.selection import Selection, select_topics
-from dogbot_logtool.robot.topics import is_planned, joint_channels, side_topics
+from dogbot_logtool.robot.topics import is_planned, joint_channels, side_topic
 from dogbot_logtool.run.runner import OnProgress
 
 _FIRST_NS: Final = 2_000_000_000
@@ -161,10 +161,11 @@ def _base_use(selection: Selection) -> str:
 
 def _side_uses(log: Log, selection: Selection) -> dict[int, str]:
     """Return what `stats` uses channels beside feet and base for, by id."""
-    joints = {channel.id: "joints" for channel in joint_channels(log)}
-    commands, accelerations, _ = side_topics(log, selection.robot)
-    uses = ((commands, "commands"), (accelerations, "accelerometer"))
-    return joints | {each.id: use for channels, use in uses for each in channels}
+    uses = {channel.id: "joints" for channel in joint_channels(log)}
+    commands = side_topic(log, selection.robot, "commands", [])
+    uses |= {channel.id: "commands" for channel in commands}
+    accelerations = side_topic(log, selection.robot, "accelerations", [])
+    return uses | {channel.id: "accelerometer" for channel in accelerations}
 
 
 def _topics(

@@ -119,10 +119,9 @@ def choose_base(
     foreign = [name for name in names if whose and _namespace_of(name) not in {whose, ""}]
     own = _sorted([each for each in likely if each.topic.topic not in foreign])
     if foreign:
-        case, say = ((), "plain") if own else (("alone",), "alone")
-        told = {"topics": listed(foreign), "whose": whose}
-        told["own"] = listed([each.topic.name for each in own])
-        findings.append(found("POSE_OTHER_ROBOT", *case, where=foreign[0], say=say, **told))
+        told = {"topics": listed(foreign), "own": listed([each.topic.name for each in own])}
+        case = () if own else ("alone",)
+        findings.append(found("POSE_OTHER_ROBOT", *case, where=foreign[0], whose=whose, **told))
     if not own or own[0].rank[0] != _SURE:
         is_there = any(channel.type_name == ODOMETRY_TYPE for channel in log.channels.values())
         poses = f", unless these poses are the base's: {_options(own)}" if own else ""

@@ -111,14 +111,13 @@ def channels_of_feet(log: Log, robot: Robot) -> dict[Channel, tuple[int, ...]]:
 
 def _same_foot(feet: Sequence[Foot], source: Source) -> str:
     """Say which feet of a topic would be the same in its messages; empty: all differ."""
-    seen: dict[str | int | None, str] = {}
-    for foot in feet:
-        own = foot.field.path if foot.field is not None else foot.element
-        other = seen.setdefault(own, foot.name)
-        if other != foot.name and not (own is None and source.tells_all_feet):
+    own = [foot.field.path if foot.field else foot.element for foot in feet]
+    for foot, what in zip(feet, own, strict=True):
+        other = feet[own.index(what)]
+        if other is not foot and not (what is None and source.tells_all_feet):
             return (
-                f"{foot.name}: {foot.word} would be that of {other}, {foot.name}, and is about one "
-                "foot; each needs a topic or a field of its own"
+                f"{foot.name}: {foot.word} would be that of {other.name}, {foot.name}, and is "
+                "about one foot; each needs a topic or a field of its own"
             )
     return ""
 

@@ -338,7 +338,7 @@ def leg_order(name: str, position: LegPosition | None) -> tuple[int, int, int, s
     """Return what sorts legs front to back, left before right; others by number, then by name."""
     end, side = position or ("", "")
     last = name.rpartition("_")[2]
-    number = int(last) if last.isdecimal() else 0
+    number = int(last[:9]) if last.isdecimal() else 0
     return _ORDER.index(end), _ORDER.index(side), number, last, name
 
 

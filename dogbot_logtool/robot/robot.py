@@ -1,6 +1,7 @@
 """A robot, as known before its log is opened: its file, and ``--set FIELD=VALUE`` for one call."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -200,9 +201,8 @@ def with_settings(robot: Robot, options: RobotOptions) -> Robot:
         names = [each.name for each in robot.feet]
         if foot not in names:
             raise CallError(f"--set {path}: the log has no such foot; it has {listed(names)}")
-        changed = replace(robot.feet[names.index(foot)], **{name: value})
-        feet = tuple(changed if each.name == foot else each for each in robot.feet)
-        robot = replace(robot, feet=feet)
+        feet = (replace(e, **{name: value}) if e.name == foot else e for e in robot.feet)
+        robot = replace(robot, feet=tuple(feet))
         given.add(f"tare.{foot}" if name == "offset_n" else path)
     _check_thresholds(robot, "--set")
     return replace(robot, given=frozenset(given))
@@ -260,14 +260,7 @@ def _value(kind: Kind, path: str, text: str) -> Any:  # noqa: ANN401 - as in the
     Raises:
         CallError: it is none that the field may have.
     """
-    wrong = ""
     for toml in (text, f"[{text}]", to_toml(text), to_toml(tuple(text.split(",")))):
-        try:
-            value = parse_toml(f"value = {toml}", "--set")["value"]
-        except CallError:
-            continue
-        try:
-            return checked(value, kind, "")
-        except CallError as error:
-            wrong = wrong or str(error).rpartition("; ")[2]
-    raise CallError(f"--set {path}={text}: {wrong}")
+        with suppress(CallError):
+            return checked(parse_toml(f"value = {toml}", "--set")["value"], kind, "")
+    raise CallError(f"--set {path}={text}: it must be {kind.wanted}")

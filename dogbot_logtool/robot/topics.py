@@ -176,40 +176,40 @@ def joint_channels(log: Log) -> list[Channel]:
     return found[:_MOST_CHANNELS]
 
 
-def side_topics(
-    log: Log, robot: Robot
-) -> tuple[tuple[Channel, ...], tuple[Channel, ...], tuple[Finding, ...]]:
-    """Choose the topics of velocity commands and of the base's inertial unit.
+_BESIDE: Final[Mapping[Part, tuple[str, str]]] = {
+    "commands": ("command_topic", "velocity commands"),
+    "accelerations": ("imu_topic", "the base's accelerations"),
+}
+"""Fields of robots that name topics, and what these tell."""
 
-    Returns:
-        the channels of velocity commands, those of accelerations, and which of several topics
-        they are.
+
+def side_topic(log: Log, robot: Robot, part: Part, findings: list[Finding]) -> tuple[Channel, ...]:
+    """Return the channels of velocity commands or of the base's inertial unit; none: of no topic.
+
+    Args:
+        log: the log.
+        robot: it may name the topic.
+        part: which of the two.
+        findings: receives which of several topics it is.
 
     Raises:
         CallError: the robot names a topic that the log does not have, or one of a wrong type.
         LogError: the robot names a topic that cannot be decoded.
     """
-    chosen: list[tuple[Channel, ...]] = []
-    findings = []
-    parts: tuple[tuple[Part, str, str | None, str], ...] = (
-        ("commands", "command_topic", robot.command_topic, "velocity commands"),
-        ("accelerations", "imu_topic", robot.imu_topic, "the base's accelerations"),
-    )
-    for part, option, asked, what in parts:
-        topics = [each for each in topics_of(log, part) if asked in {None, each.name}]
-        if asked is not None:
-            require_topic(log, option, asked, part)
-        else:
-            topics = [each for each in topics if _rank(each.name, part) < _OTHER]
-            topics.sort(key=lambda each: _rank(each.name, part))
-        chosen.append(topics[0].channels if topics else ())
-        if topics and asked is None:
-            best, *others = [each.name for each in topics]
-            text = f"{what} are taken from {best}, found by type and name"
-            text += f"; there are also {listed(others)} (--set {option} chooses)" if others else ""
-            findings.append(Finding("TOPICS_CHOSEN", text, best))
-    commands, accelerations = chosen
-    return commands, accelerations, tuple(findings)
+    option, what = _BESIDE[part]
+    asked, topics = getattr(robot, option), topics_of(log, part)
+    if asked is not None:
+        require_topic(log, option, asked, part)
+        return next(each.channels for each in topics if each.name == asked)
+    ranked = sorted((_rank(each.name, part), row) for row, each in enumerate(topics))
+    likely = [topics[row] for rank, row in ranked if rank < _OTHER]
+    if not likely:
+        return ()
+    best, *others = [each.name for each in likely]
+    text = f"{what} are taken from {best}, found by type and name"
+    text += f"; there are also {listed(others)} (--set {option} chooses)" if others else ""
+    findings.append(Finding("TOPICS_CHOSEN", text, best))
+    return likely[0].channels
 
 
 def _rank(name: str, part: Part) -> int:

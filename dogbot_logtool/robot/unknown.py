@@ -39,6 +39,8 @@ _OTHER_WORDS: Final = word_set(
 )
 """Words of fields that are no contact."""
 _LEGS: Final = frozenset({Part.FOOT, Part.LEG})
+_FEWEST_REASONS: Final = 3
+"""Of two by names, and two by when fields are on: from so many they are offered as feet."""
 _FEWEST: Final = 8
 """Samples of a foot from which its values mean something; some are sent on change only."""
 _LARGEST_STATE: Final = 3.0
@@ -207,7 +209,8 @@ def _with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
         share = small / np.where(large == 0.0, 1.0, large)
         if (share < -_ALIKE).any() or (share > _ALIKE).all():
             return None
-    if not (in_time := _in_time(down)):
+    reasons = *named.reasons, *_in_time(down)
+    if len(reasons) < _FEWEST_REASONS:
         return None
     kind = "contact" if are_states else "force"
     told = []
@@ -215,7 +218,7 @@ def _with_content(named: FootSet, feet: Sequence[Samples]) -> FootSet | None:
         # It is said only where the type of the field would say something else.
         said = "" if kind == (field.kind or "force") else kind
         told.append(replace(foot, field=replace(field, kind=said)))
-    return named._replace(feet=tuple(told), reasons=(*named.reasons, in_time))
+    return named._replace(feet=tuple(told), reasons=reasons)
 
 
 def _side_by_side(feet: Sequence[Samples]) -> Floats:
@@ -229,13 +232,13 @@ def _side_by_side(feet: Sequence[Samples]) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def _in_time(down: Flags) -> str:
-    """Say how feet are on, (n, feet): each on and off, and in turns; empty: not like feet."""
+def _in_time(down: Flags) -> Iterator[str]:
+    """Yield what speaks for feet in when they are on, (n, feet): each on and off, and in turns."""
     feet = down.shape[1]
-    changes = np.count_nonzero(np.diff(down, axis=0), axis=0).min()
+    changes = np.count_nonzero(np.diff(down, axis=0), axis=0)
+    if (changes > 1).all():
+        yield f"all {feet} go on and off, {changes.min()} times and more"
     alike = min((down[:, i] == down[:, k]).mean() for i in range(feet) for k in range(i))
     some, every = float(down.any(axis=1).mean()), float(down.all(axis=1).mean())
-    if changes <= 1 or alike > _SAME or some < _FEWEST_DOWN or every == some:
-        return ""
-    turns = f"at least one is on {some:.0%} of the time, all at once {every:.0%}"
-    return f"all {feet} go on and off, {changes} times and more, in turns: {turns}"
+    if alike <= _SAME and some >= _FEWEST_DOWN and every < some:
+        yield f"in turns: at least one is on {some:.0%} of the time, all at once {every:.0%}"

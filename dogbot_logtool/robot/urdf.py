@@ -76,7 +76,7 @@ def read_robot(urdf: str) -> RobotOfUrdf:
     return RobotOfUrdf(
         base=_base(joints, links),
         joints=joints,
-        limits={each.get("name", ""): own for each in elements if (own := _limits(each))},
+        limits={each.get("name", ""): _limits(each) for each in elements},
         links=links,
     )
 
@@ -153,8 +153,8 @@ def _joint(element: ET.Element) -> Joint:
         raise ValueError(f"has a joint that cannot be used, {name}: {error}") from None
 
 
-def _limits(element: ET.Element) -> JointLimits | None:
-    """Return the limits of a joint; None where they are no numbers, or it does not move.
+def _limits(element: ET.Element) -> JointLimits:
+    """Return the limits of a joint; infinite where they are no numbers.
 
     A continuous joint has none of its position; an effort or velocity of 0 says nothing.
     """
@@ -162,11 +162,10 @@ def _limits(element: ET.Element) -> JointLimits | None:
     try:
         lower, upper, effort, velocity = (_number(element, "limit", name) for name in names)
     except ValueError:
-        return None
+        return JointLimits()
     if element.get("type") == "continuous" or lower >= upper:
         lower, upper = -np.inf, np.inf
-    moves = element.get("type") != "fixed"
-    return JointLimits(lower, upper, effort or np.inf, velocity or np.inf) if moves else None
+    return JointLimits(lower, upper, effort or np.inf, velocity or np.inf)
 
 
 def _link(element: ET.Element) -> Link:

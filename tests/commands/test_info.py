@@ -22,8 +22,6 @@ from tests.oracles.state_walks import StateWalk
 from tests.paths import TROT, WALK
 from tests.reader.mcap_bytes import McapBytes, Message
 
-FEET = ("front_left", "front_right", "back_left", "back_right")
-
 
 def truth(log: Path) -> dict[str, Any]:
     told: dict[str, Any] = json.loads(log.with_suffix(".truth.json").read_text(encoding="utf-8"))

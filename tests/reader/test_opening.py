@@ -105,8 +105,8 @@ def test_all_frames_of_a_compressed_log_are_read(tmp_path: Path, packed: bytes) 
             zstandard.compress(MCAP) + zstandard.compress(b"more")[:-2],
             r"behind byte \d+ \(it is cut off\)",
         ),
-        (zstandard.compress(MCAP) + b"more", "the 4 bytes behind its zstd data were left out"),
-        (zstandard.compress(MCAP) + bytes(5000) + b"more", "bytes behind its zstd data were left"),
+        (zstandard.compress(MCAP) + b"more", r"behind byte \d+ \(what follows is no zstd data\)"),
+        (zstandard.compress(MCAP) + bytes(5000) + b"more", "what follows is no zstd data"),
         (
             zstandard.compress(MCAP) + b"\x28\xb5\x2f\xfd" + b"\xff" * 40,
             "its zstd data is damaged behind byte",

@@ -39,7 +39,6 @@ def run(folder: Path, *words: str) -> Ended:
     scratch = {"TMPDIR": str(folder / "scratch")}
     done = forked_cli.run(*words, folder=folder, environment=scratch, timeout=10.0)
     assert done.peak_mb < MOST_MB
-    assert "Traceback" not in done.stderr
     return done
 
 

@@ -30,9 +30,7 @@ def short() -> Path:
 
 def export(folder: Path, *words: object, jobs: int = 1) -> Ended:
     """Run `export --dataset walks`."""
-    done = run("export", *words, "--dataset", "walks", "--jobs", jobs, folder=folder)
-    assert "Traceback" not in done.stderr, done.stderr
-    return done
+    return run("export", *words, "--dataset", "walks", "--jobs", jobs, folder=folder)
 
 
 def rows(folder: Path, table: str = "logs") -> list[dict[str, Any]]:

@@ -6,19 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.stats import measure
-from dogbot_logtool.errors import CallError
-from dogbot_logtool.options import MeasureOptions
-from dogbot_logtool.report.documents import stats_json
+import dogbot_logtool as dl
 from tests.oracles import base_walks as base
 from tests.oracles import walks
 
 DURATION_S = (base.SAMPLES - 1) * walks.STEP / 1e9
-
-
-def figures(path: Path, name: str | None = None) -> dict[str, Any]:
-    done = measure(path, MeasureOptions(odom_topic=name))
-    return stats_json(done)
 
 
 def check(got: dict[str, Any], rel: float = 1e-9) -> None:
@@ -37,19 +29,12 @@ def check(got: dict[str, Any], rel: float = 1e-9) -> None:
 def test_every_source_gives_the_walk(tmp_path: Path, kind: str) -> None:
     path = base.write(tmp_path / "walk.mcap", kind, base.TOPICS[kind])
     name = base.TOPICS[kind] if kind in base.ON_REQUEST else None
-    got = figures(path, name)
+    got = dl.measure(path, odom_topic=name).stats
     single = kind.startswith(("unitree", "ocs2"))
     check(got, rel=1e-6 if single else 1e-9)
     said = {finding["code"] for finding in got["findings"]}
     assert ("PLANNED" in said) == (kind in base.PLANNED)
     assert ("LOG_TIME_USED" in said) == (kind in base.WITHOUT_HEADER)
-
-
-def test_positions_in_other_units_are_scaled(tmp_path: Path) -> None:
-    path = base.write(tmp_path / "walk.mcap", "nav_msgs/Odometry", "/odom")
-    metres = figures(path)["base"]["net_displacement_m"]
-    scaled = measure(path, MeasureOptions(set={"odometry_scale": "0.5"}))
-    assert stats_json(scaled)["base"]["net_displacement_m"] == pytest.approx(0.5 * metres)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +49,7 @@ def test_positions_in_other_units_are_scaled(tmp_path: Path) -> None:
 )
 def test_a_pose_that_the_user_names(tmp_path: Path, kind: str, path: str) -> None:
     log = base.write(tmp_path / "walk.mcap", kind, "/goal_pose")
-    check(figures(log, f"/goal_pose:{path}".rstrip(":")))
+    check(dl.measure(log, odom_topic=f"/goal_pose:{path}".rstrip(":")).stats)
 
 
 @pytest.mark.parametrize(
@@ -80,5 +65,5 @@ def test_a_wrong_element_lists_what_there_is(
     tmp_path: Path, kind: str, element: str, said: str
 ) -> None:
     log = base.write(tmp_path / "walk.mcap", kind, "/x")
-    with pytest.raises(CallError, match=said):
-        figures(log, f"/x:{element}")
+    with pytest.raises(dl.CallError, match=said):
+        dl.measure(log, odom_topic=f"/x:{element}")

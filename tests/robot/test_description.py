@@ -8,9 +8,8 @@ from mcap.reader import make_reader
 from mcap.writer import Writer as McapWriter
 from mcap_ros1.decoder import DecoderFactory
 
-from dogbot_logtool.commands.convert import convert
+import dogbot_logtool as dl
 from dogbot_logtool.errors import CallError
-from dogbot_logtool.options.convert import ConvertOptions
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot.description import own_description, read_urdf
 from tests.paths import SAMPLE_LOGS
@@ -21,7 +20,7 @@ TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 def test_the_user_s_file_is_written_as_it_is(tmp_path: Path) -> None:
     file = tmp_path / "dog.urdf"
     file.write_text('<?xml version="1.0"?>\n<robot name="dog"><link name="base_link"/></robot>')
-    convert(TROT, tmp_path / "out.mcap", ConvertOptions(urdf=file))
+    dl.convert(TROT, tmp_path / "out.mcap", urdf=file)
     with (tmp_path / "out.mcap").open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
         found = list(reader.iter_decoded_messages(topics=["/robot_description"]))

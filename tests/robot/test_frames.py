@@ -12,8 +12,7 @@ from mcap.writer import Writer as McapWriter
 from mcap_protobuf.schema import build_file_descriptor_set
 from rosbags.highlevel import AnyReader
 
-from dogbot_logtool.commands.info import describe
-from dogbot_logtool.options.info import InfoOptions
+import dogbot_logtool as dl
 from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames import MOST_EDGES, Frames
 from tests.paths import SAMPLE_LOGS
@@ -31,7 +30,7 @@ LastMessage = dict[tuple[str, str], list[tuple[int, int, bool]]]
 
 
 def survey(path: Path) -> tuple[LogInfo, Frames]:
-    info = describe(path, InfoOptions(frames=True))
+    info = dl.info(path, frames=True)
     assert info.frames is not None
     return info, info.frames
 

@@ -5,17 +5,13 @@ from collections import Counter
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
 from mcap.reader import make_reader
 from mcap.records import Channel, Metadata
 from mcap.writer import Writer
 
-from dogbot_logtool.commands.compare import compare
-from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options.compare import CompareOptions
-from dogbot_logtool.options.convert import ConvertOptions
+import dogbot_logtool as dl
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.results import Conversion
 from dogbot_logtool.writer.encodings.registry import ENCODINGS
@@ -28,10 +24,6 @@ TROUBLED = first_seconds(LONG)
 Once = Callable[[Path, str], tuple[Path, Conversion]]
 
 
-def converted(log: Path, target: Path, **options: Any) -> Conversion:
-    return convert(log, target, ConvertOptions(**options))
-
-
 @pytest.fixture(scope="module")
 def once_annotated(tmp_path_factory: pytest.TempPathFactory) -> Once:
     """Return what annotates a log in an encoding, once for all tests that only read the file."""
@@ -39,13 +31,13 @@ def once_annotated(tmp_path_factory: pytest.TempPathFactory) -> Once:
     @cache
     def annotate(log: Path, encoding: str) -> tuple[Path, Conversion]:
         target = tmp_path_factory.mktemp("annotated") / "once.mcap"
-        return target, converted(log, target, encoding=encoding)
+        return target, dl.convert(log, target, encoding=encoding)
 
     return annotate
 
 
 def same(expected: Path, actual: Path) -> bool:
-    return compare(expected, actual, CompareOptions()).exit_code == 0
+    return dl.compare(expected, actual).exit_code == 0
 
 
 def channels(log: Path) -> list[Channel]:
@@ -62,7 +54,7 @@ def records(log: Path) -> list[Metadata]:
 
 def check_again(once: Path, first: Conversion, again: Path, encoding: str) -> Conversion:
     """Annotate a log that is annotated, and check that the same comes out."""
-    second = converted(once, again, encoding=encoding)
+    second = dl.convert(once, again, encoding=encoding)
     assert (second.copied, second.annotations) == (first.copied, first.annotations)
     assert "ANNOTATED" in {finding.code for finding in second.findings}
     return second
@@ -83,7 +75,7 @@ def test_annotating_again_gives_the_same(
     assert same(once, again)
     assert len(channels(again)) == len(channels(once))
     assert [record.name for record in records(again)] == ["dogbot_logtool"]
-    converted(again, tmp_path / "third.mcap", encoding=encoding)
+    dl.convert(again, tmp_path / "third.mcap", encoding=encoding)
     # Chunks that hold only what was recorded are copied as they stand.
     assert (tmp_path / "third.mcap").read_bytes() == again.read_bytes()
 
@@ -130,9 +122,9 @@ def test_chunks_may_hold_both(
 def test_a_recorded_topic_that_ours_joins_is_kept(tmp_path: Path) -> None:
     """A live script's arrows have our topics and types; only ours are marked."""
     live, once, again = (tmp_path / f"{name}.mcap" for name in ("live", "once", "again"))
-    converted(TROUBLED, live, encoding="ros1", style="classic")
+    dl.convert(TROUBLED, live, encoding="ros1", style="classic")
     recorded = repacked(live, tmp_path / "recorded.mcap", marked=False)
-    first = converted(recorded, once, encoding="ros1")
+    first = dl.convert(recorded, once, encoding="ros1")
     topics = Counter(channel.topic for channel in channels(once))
     assert topics["/marker_basic_front_left_foot"] == 2
     check_again(once, first, again, "ros1")
@@ -144,28 +136,28 @@ def test_a_cut_file_is_told_by_its_marks(tmp_path: Path, once_annotated: Once) -
     once, _ = once_annotated(TROUBLED, "foxglove")
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(once.read_bytes()[:-20_000])
-    assert converted(cut, tmp_path / "again.mcap").damage.losses
+    assert dl.convert(cut, tmp_path / "again.mcap").damage.losses
     assert len(channels(tmp_path / "again.mcap")) == len(channels(once))
 
 
 def test_what_was_lost_and_left_out_before_is_not_forgotten(tmp_path: Path) -> None:
     log, once, again = (tmp_path / name for name in ("cut.bag", "once.mcap", "again.mcap"))
     log.write_bytes(TROUBLED.read_bytes()[:-50_000])
-    assert converted(log, once, start=1.0).damage.losses
-    assert not converted(once, again).damage.losses
+    assert dl.convert(log, once, start=1.0).damage.losses
+    assert not dl.convert(once, again).damage.losses
     (record,) = records(again)
     assert record.metadata["damage"]
     assert (record.metadata["input"], record.metadata["start_s"]) == ("cut.bag", "1.0")
     assert same(once, again)
     # A part of an annotated log is a part of that log.
-    converted(once, tmp_path / "part.mcap", end=2.0)
+    dl.convert(once, tmp_path / "part.mcap", end=2.0)
     (record,) = records(tmp_path / "part.mcap")
     assert (record.metadata["input"], record.metadata["start_s"]) == ("once.mcap", "")
 
 
 @pytest.mark.parametrize("command", ["convert", "stats", "report", "layout"])
 def test_annotations_alone_are_no_log(shell: Shell, command: str) -> None:
-    converted(TROUBLED, shell.folder / "x.mcap", copy=False)
+    dl.convert(TROUBLED, shell.folder / "x.mcap", copy=False)
     done = shell(command, "x.mcap")
     assert (done.code, done.out, shell.files()) == (1, "", ["x.mcap"])
     assert "x.mcap: holds only annotations" in done.err
@@ -174,7 +166,7 @@ def test_annotations_alone_are_no_log(shell: Shell, command: str) -> None:
 
 @pytest.mark.parametrize("copy", [True, False])
 def test_info_tells_annotations_from_what_was_recorded(shell: Shell, *, copy: bool) -> None:
-    done = converted(TROUBLED, shell.folder / "x.mcap", encoding="ros1", copy=copy)
+    done = dl.convert(TROUBLED, shell.folder / "x.mcap", encoding="ros1", copy=copy)
     told = shell("info", "x.mcap", "--json").json
     count = sum(done.annotations.values())
     assert told["messages"] == done.copied + count

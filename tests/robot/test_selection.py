@@ -13,8 +13,7 @@ from typing import Any
 
 import pytest
 
-from dogbot_logtool.commands.info import describe
-from dogbot_logtool.options.info import InfoOptions
+import dogbot_logtool as dl
 from tests.oracles import base_walks, field_logs, state_walks, walks
 from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 from tests.oracles.state_walks import StateWalk
@@ -97,7 +96,7 @@ def recorded() -> Iterator[tuple[str, Path]]:
 
 def seen(path: Path) -> dict[str, Any]:
     """Return what is used of a log, and what is offered."""
-    info = describe(path, InfoOptions())
+    info = dl.info(path)
     uses = {topic.topic: topic.use for topic in info.topics if topic.use}
     offers = [each.command or each.text for each in info.findings if each.code == "FEET_UNSURE"]
     offers += [each.command or each.text for each in info.findings if each.code == "NO_BASE"]

@@ -59,15 +59,6 @@ def test_the_best_of_several_is_taken_and_the_others_are_said(tmp_path: Path) ->
     assert named["commands"]["topic"] == "/joy/desired"
 
 
-def test_a_topic_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    recording = walk(ROBOT.commands())
-    with pytest.raises(dl.CallError, match=r"command_topic: .* no topic /other.*: /cmd_vel"):
-        measured(tmp_path, recording, set={"command_topic": "/other"})
-    topic = recording.robot.odometry_topic
-    with pytest.raises(dl.CallError, match="which does not fit"):
-        measured(tmp_path, recording, "y.mcap", set={"command_topic": topic})
-
-
 def test_commands_that_are_no_numbers_are_said(tmp_path: Path) -> None:
     given = ROBOT.commands()
     given.vector[[10, 20]] = np.nan

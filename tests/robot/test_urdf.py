@@ -47,57 +47,28 @@ ARM: tuple[Joint, ...] = (
 NAMES = ["front_left", "front_right", "back_left", "back_right"]
 
 
-def test_legs_are_told_from_arms_and_sensors() -> None:
-    robot = read_robot(urdf([*quadruped("trunk"), *ARM], ["trunk", "FL_calf", "FL_foot"]))
-    legs, axis = legs_of_robot(robot, {})
-    assert [leg.name for leg in legs] == NAMES
-    assert [leg.foot for leg in legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
-    assert (robot.base, robot.mass_kg, axis) == ("trunk", 6.0, "+x")
-    # The foot's mass is the calf's, too: nothing moves between them.
-    masses = legs[0].masses
-    assert [(mass.joint, mass.mass_kg) for mass in masses] == [(2, 2.0), (3, 2.0)]
-
-
-@pytest.mark.parametrize("kind", ["fixed", "floating", "revolute"])
-def test_the_base_lies_past_the_world_and_links_without_a_mass(kind: str) -> None:
-    joints: list[Joint] = [(kind, "world", "virtual", "0 0 0", "0 0 1")]
-    joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
-    robot = read_robot(urdf([*joints, *quadruped("trunk")], ["trunk"]))
-    assert robot.base == "trunk"
-    assert len(legs_of_robot(robot, {})[0]) == 4
-
-
-def test_a_root_that_is_the_base_stays() -> None:
-    joints: list[Joint] = [("fixed", "base", "trunk", "0 0 0", "1 0 0"), *quadruped("trunk")]
-    assert read_robot(urdf(joints, ["trunk"])).base == "base"
-
-
-def test_names_tell_where_forward_is_and_places_where_names_do_not() -> None:
-    assert legs_of_robot(read_robot(urdf(quadruped("trunk", "RR RL FR FL"))), {})[1] == "-x"
-    legs, axis = legs_of_robot(read_robot(urdf(quadruped("trunk", "a b c d"))), {})
-    assert ([leg.name for leg in legs], axis) == (NAMES, "+x")
-
-
-@pytest.mark.parametrize("name", ["{}_wheel", "{}_4"])
-def test_wheels_are_no_legs(name: str) -> None:
+def with_wheels(name: str) -> str:
     wheels: list[Joint] = [
         ("continuous", f"{leg}_calf", name.format(leg), "0 0 -0.3", "0 1 0")
         for leg in ("FL", "FR", "RL", "RR")
     ]
-    robot = read_robot(urdf([*quadruped("trunk"), *wheels]))
-    with pytest.raises(ValueError, match=f"wheels, {name.format('FL')}, "):
-        legs_of_robot(robot, {})
+    return urdf([*quadruped("trunk"), *wheels])
 
 
-def test_a_biped_with_a_waist_and_toes() -> None:
+def below_a_world(kind: str) -> str:
+    joints: list[Joint] = [(kind, "world", "virtual", "0 0 0", "0 0 1")]
+    joints.append((kind, "virtual", "trunk", "0 0 1", "1 0 0"))
+    return urdf([*joints, *quadruped("trunk")], ["trunk"])
+
+
+def biped() -> str:
+    """A biped with a waist, toes, and springs that hang beside them on the same leg."""
     joints: list[Joint] = [("revolute", "torso", "pelvis", "0 0 -0.3", "0 0 1")]
     for side, y in (("left", 0.1), ("right", -0.1)):
         joints += leg("pelvis", side, 0.0, y)
         joints.append(("revolute", f"{side}_foot", f"{side}_toe", "0.1 0 0", "0 1 0"))
-        # A spring that hangs beside it on the same leg.
         joints.append(("revolute", f"{side}_calf", f"{side}_rod", "0.05 0 -0.15", "0 1 0"))
-    legs, _ = legs_of_robot(read_robot(urdf(joints, ["torso"])), {})
-    assert [(each.name, len(each.measured)) for each in legs] == [("left", 5), ("right", 5)]
+    return urdf(joints, ["torso"])
 
 
 def without_feet(shape: str) -> str:
@@ -109,49 +80,74 @@ def without_feet(shape: str) -> str:
     return text
 
 
-@pytest.mark.parametrize(
-    ("shape", "point", "radius"),
+BASE: Joint = ("fixed", "base", "trunk", "0 0 0", "1 0 0")
+LYING = urdf(
     [
-        (
-            '<origin xyz="0 0 -0.2"/><geometry><sphere radius="0.02"/></geometry>',
-            (0.0, 0.0, -0.2),
-            0.02,
-        ),
-        (
-            '<origin xyz="0 0 -0.1"/><geometry><cylinder length="0.2" radius="0.01"/></geometry>',
-            (0.0, 0.0, -0.2),
-            0.0,
-        ),
-    ],
-)
-def test_a_foot_without_a_link_is_where_the_last_link_ends(
-    shape: str, point: tuple[float, float, float], radius: float
-) -> None:
-    (first, *_), _ = legs_of_robot(read_robot(without_feet(shape)), {})
-    assert (first.foot, first.radius_m) == ("FL_calf", radius)
-    assert first.point == pytest.approx(point)
-
-
-def test_feet_that_nothing_places_are_named() -> None:
-    robot = read_robot(without_feet(""))
-    with pytest.raises(ValueError, match="where the feet of FL_calf, FR_calf"):
-        legs_of_robot(robot, {})
-
-
-def test_a_base_whose_z_axis_is_not_up_is_named() -> None:
-    lying: list[Joint] = [
         (kind, parent, child, "{0} {2} {1}".format(*place.split()), axis)
         for kind, parent, child, place, axis in quadruped("trunk")
     ]
-    robot = read_robot(urdf(lying))
-    with pytest.raises(ValueError, match="z axis is not up"):
-        legs_of_robot(robot, {})
-    # A root above it whose z axis is up is the base.
-    turn = '<origin rpy="1.5707963 0 0"/>'
-    root = f'<joint name="r" type="fixed"><parent link="r"/><child link="trunk"/>{turn}</joint>'
-    robot = read_robot(urdf(lying, ["trunk"]).replace("</robot>", f"{root}</robot>"))
-    assert robot.base == "r"
-    assert len(legs_of_robot(robot, {})[0]) == 4
+)
+UPRIGHT = (
+    '<joint name="r" type="fixed"><parent link="r"/><child link="trunk"/>'
+    '<origin rpy="1.5707963 0 0"/></joint></robot>'
+)
+WALKERS = {
+    "arm": (urdf([*quadruped("trunk"), *ARM], ["trunk"]), "trunk", "+x", 3),
+    "fixed below a world": (below_a_world("fixed"), "trunk", "+x", 3),
+    "floating below a world": (below_a_world("floating"), "trunk", "+x", 3),
+    "moved below a world": (below_a_world("revolute"), "trunk", "+x", 3),
+    "root that is the base": (urdf([BASE, *quadruped("trunk")], ["trunk"]), "base", "+x", 3),
+    "turned": (urdf(quadruped("trunk", "RR RL FR FL")), "trunk", "-x", 3),
+    "legs without names": (urdf(quadruped("trunk", "a b c d")), "trunk", "+x", 3),
+    "lying below an upright root": (LYING.replace("</robot>", UPRIGHT), "r", "+x", 3),
+    "biped": (biped(), "torso", "+x", 5),
+}
+"""Its base, its forward axis, and how many joints its legs have."""
+
+
+@pytest.mark.parametrize("name", WALKERS)
+def test_walkers(name: str) -> None:
+    text, base, forward, joints = WALKERS[name]
+    robot = read_robot(text)
+    legs, axis = legs_of_robot(robot, {})
+    assert (robot.base, axis) == (base, forward)
+    assert [each.name for each in legs] == (["left", "right"] if name == "biped" else NAMES)
+    assert {len(each.measured) for each in legs} == {joints}
+
+
+NO_LEGS = {
+    with_wheels("{}_wheel"): "wheels, FL_wheel, ",
+    with_wheels("{}_4"): "wheels, FL_4, ",
+    without_feet(""): "where the feet of FL_calf, FR_calf",
+    LYING: "z axis is not up",
+}
+
+
+@pytest.mark.parametrize("text", NO_LEGS, ids=NO_LEGS.values())
+def test_what_is_no_leg_is_named(text: str) -> None:
+    with pytest.raises(ValueError, match=NO_LEGS[text]):
+        legs_of_robot(read_robot(text), {})
+
+
+def test_masses_of_legs() -> None:
+    """The foot's mass is the calf's, too: nothing moves between them."""
+    robot = read_robot(urdf(quadruped("trunk"), ["trunk", "FL_calf", "FL_foot"]))
+    (first, *_), _ = legs_of_robot(robot, {})
+    assert (robot.mass_kg, first.foot) == (6.0, "FL_foot")
+    assert [(mass.joint, mass.mass_kg) for mass in first.masses] == [(2, 2.0), (3, 2.0)]
+
+
+@pytest.mark.parametrize(
+    ("z", "shape", "radius"),
+    [(-0.2, 'sphere radius="0.02"', 0.02), (-0.1, 'cylinder length="0.2" radius="0.01"', 0.0)],
+)
+def test_a_foot_without_a_link_is_where_the_last_link_ends(
+    z: float, shape: str, radius: float
+) -> None:
+    text = without_feet(f'<origin xyz="0 0 {z}"/><geometry><{shape}/></geometry>')
+    (first, *_), _ = legs_of_robot(read_robot(text), {})
+    assert (first.foot, first.radius_m) == ("FL_calf", radius)
+    assert first.point == pytest.approx((0.0, 0.0, -0.2))
 
 
 URDF = """<robot name="r">

@@ -7,8 +7,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from dogbot_logtool.commands.convert import convert
-from dogbot_logtool.options.convert import ConvertOptions
+import dogbot_logtool as dl
 from dogbot_logtool.results import Conversion
 from tests.oracles import walks
 from tests.oracles.annotated_file import arrows
@@ -76,8 +75,8 @@ class Swinging:
         return self.log
 
     def converted(self, style: Literal["pressure", "force"] = "force") -> Conversion:
-        options = ConvertOptions(encoding="ros2", copy=False, robot=str(self.robot), style=style)
-        return convert(self.written(), self.target, options)
+        log, robot = self.written(), str(self.robot)
+        return dl.convert(log, self.target, encoding="ros2", copy=False, robot=robot, style=style)
 
     def arrows(self) -> Iterator[tuple[str, int, Any]]:
         """Each arrow's leg, the sample that it is of, and its marker."""

@@ -82,8 +82,6 @@ class Case:
     known: str = ""
     """Figures that must not be null, whatever is found, with commas."""
     rate_hz: float = 200.0
-    classes: tuple[str | None, ...] | None = None
-    """Classes that are right; None: the truth's only."""
     silence_s: tuple[float, float] | None = None
     """Feet are silent between, or in stances that a silence cuts: events in it are not
     judged."""

@@ -92,13 +92,12 @@ def _unknown(judged: Sequence[Judged], found: Outcome) -> Iterator[Judged]:
 
 
 def _gait(case: Case, truth: Truth, found: Outcome) -> Iterator[Judged]:
-    allowed = (truth.gait_class,) if case.classes is None else case.classes
     name = found.figure("gait.name")
-    status: Status = "right" if name in allowed else "wrong"
-    if name is None and None not in allowed:
+    status = _right(name == truth.gait_class)
+    if name is None and truth.gait_class is not None:
         status = _excused(case, "class", found)
-    yield Judged("class", _joined(allowed), str(name), status)
-    if truth.sequence is not None and name is not None and case.classes is None:
+    yield Judged("class", str(truth.gait_class), str(name), status)
+    if truth.sequence is not None and name is not None:
         sequence = found.figure("gait.sequence")
         status = "right" if sequence == truth.sequence else "wrong"
         yield Judged("sequence", truth.sequence, str(sequence), status)

@@ -167,7 +167,7 @@ class BaseHistory:
 
         Args:
             time: (n,) ns.
-            in_body_m: (3,) m, from the base's frame, in its axes.
+            in_body_m: (n, 3) m, or (3,), from the base's frame, in its axes.
         """
         position = self.position_at(time)
         if not in_body_m.any():

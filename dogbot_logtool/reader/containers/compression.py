@@ -202,19 +202,16 @@ def _decompressed(source: ByteSource, losses: list[Loss]) -> Iterator[tuple[int,
                     raise LogError(f"{name_of(source.path)}: its {size} bytes swell to over {most}")
                 offset += len(data) - len(frame.unused_data)
                 data = source.read(offset, _PIECE)
+        while data and not data.strip(b"\0"):
+            offset += len(data)
+            data = source.read(offset, _PIECE)
+        if data:
+            raise zstandard.ZstdError("what follows is no zstd data")
     except zstandard.ZstdError as error:
         what = (
             f"its zstd data is damaged behind byte {offset} ({error}); what stands before was read"
         )
         losses.append(Loss(offset, what, size - offset, None))
-        return
-    start = offset
-    while data and not data.strip(b"\0"):
-        offset += len(data)
-        data = source.read(offset, _PIECE)
-    if data:
-        what = f"the {size - start} bytes behind its zstd data were left out"
-        losses.append(Loss(start, what, size - start, None))
 
 
 def unpacked(batch: Batch) -> Batch:

@@ -187,10 +187,7 @@ class RecordLog(Log):
         """Go on at the next sound record; say what was passed over."""
         following = next_sound(self._format, self.source.read, offset + 1, self.source.size)
         count = following - offset
-        if following == self.source.size:
-            what = f"the last {count} bytes, from byte {offset} on, are no whole record"
-        else:
-            what = f"the {count} bytes from byte {offset} on are no record"
+        what = f"the {count} bytes from byte {offset} on are no record"
         self._losses.append(Loss(offset, what, count, None))
         return following
 

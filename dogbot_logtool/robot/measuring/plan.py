@@ -21,7 +21,7 @@ from dogbot_logtool.robot.feet import channels_of_feet, planned_feet
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts, with_joined_sensors
 from dogbot_logtool.robot.recorded import time_limits
 from dogbot_logtool.robot.selection import Selection, select_topics
-from dogbot_logtool.robot.topics import joint_channels, nothing_to_do, side_topics
+from dogbot_logtool.robot.topics import joint_channels, nothing_to_do, side_topic
 
 if TYPE_CHECKING:
     from dogbot_logtool.core.legs.joints import LegSettings
@@ -56,15 +56,15 @@ def make_plan(log: Log, options: MeasureOptions) -> MeasuringPlan:
     if not (selection.odometry or selection.contacts or joints):
         raise LogError(nothing_to_do(log, selection.findings))
     planned = _planned(log, selection)
-    commands, accelerations, findings = side_topics(log, selection.robot)
-    selection = selection._replace(findings=(*selection.findings, *findings))
+    findings = [*selection.findings]
     wanted = selection.wanted()._replace(
         joints=joints,
-        commands=commands,
-        accelerations=accelerations,
+        commands=side_topic(log, selection.robot, "commands", findings),
+        accelerations=side_topic(log, selection.robot, "accelerations", findings),
         planned=planned.wanted().feet if planned else None,
         limits=time_limits(log, options.start, options.end),
     )
+    selection = selection._replace(findings=tuple(findings))
     return MeasuringPlan(selection, planned, wanted)
 
 
