@@ -144,7 +144,7 @@ def test_links_are_where_the_engine_has_them(
     file, truth = tmp_path / "dog.urdf", trot()
     file.write_text(urdf(trot().parts))
     described = truth if is_own else replace(truth, parts=())
-    log = physics.write_log(tmp_path / "log.mcap", described, by_transforms=False)
+    log = physics.write_log(tmp_path / "log.mcap", described)
     given = None if is_own else file
     done = converted(log, encoding=encoding, urdf=given)
     assert "ROBOT_DESCRIPTION" in codes(done.conversion)
@@ -171,7 +171,7 @@ CALF: Final = (
 def test_only_joints_of_the_base_s_links_move_a_description(tmp_path: Path) -> None:
     """Nor do any, where the log has transforms of the links or joints that it does not name."""
     file, target = tmp_path / "dog.urdf", tmp_path / "out.mcap"
-    log = physics.write_log(tmp_path / "log.mcap", replace(trot(), parts=()), by_transforms=False)
+    log = physics.write_log(tmp_path / "log.mcap", replace(trot(), parts=()))
     own = physics.write_log(tmp_path / "own.mcap", trot(), by_transforms=True)
     whole = urdf(trot().parts)
     for source, description, said in (

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,6 +13,7 @@ from mcap.writer import Writer as McapWriter
 
 from tests.oracles import walks
 
+WALK: Final = walks.Walk(2)
 SAMPLES: Final = 300
 YAW_RATE: Final = 0.4
 """rad/s."""
@@ -35,11 +35,6 @@ ELEMENTS: Final = {
     "tf2_msgs/TFMessage": "odom/base_link",
     "foxglove.FrameTransforms": "odom/base_link",
 }
-
-
-@cache
-def ros() -> walks.Walk:
-    return walks.Walk(2)
 
 
 def pose(sample: int) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
@@ -108,14 +103,13 @@ def message(kind: str, sample: int) -> bytes:
         made: Any = _FOXGLOVE[kind][1](**foxglove(kind, sample, ("seconds", "nanos")))
         return bytes(made.SerializeToString())
     full = kind.replace("/", "/msg/")
-    walk = ros()
     fields = _KINDS[kind][1] if kind in _KINDS else _array
-    return walk.bytes_of(full, walk.make(full, **fields(walk, sample)))
+    return WALK.bytes_of(full, WALK.make(full, **fields(WALK, sample)))
 
 
 def definition(kind: str) -> str:
     full = kind.replace("/", "/msg/")
-    return ros().definition(full)
+    return WALK.definition(full)
 
 
 def _odometry(walk: walks.Walk, sample: int) -> Fields:

@@ -268,7 +268,7 @@ def write_log(
         models: speed of each model of `/gazebo/model_states`, m a sample; None: no such topic.
         samples: how many.
     """
-    walk = base_walks.ros()
+    walk = base_walks.WALK
     entries = []
     for sample in range(samples):
         time = walks.START + sample * walks.STEP

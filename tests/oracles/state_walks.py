@@ -67,12 +67,8 @@ def _points(sample: int, legs: Any = LEGS) -> list[Any]:
     return [foot_position(leg, sample) for leg in legs]
 
 
-def _pose(position: Any) -> Fields:
-    return {"position": position}
-
-
 def _base(sample: int) -> Fields:
-    return {"pose": _pose(base_position(sample))}
+    return {"pose": {"position": base_position(sample)}}
 
 
 def _joints(walk: StateWalk, _kind: str, sample: int) -> Fields:
@@ -148,7 +144,7 @@ def _whole_body(walk: StateWalk, kind: str, sample: int) -> Fields:
         {
             "name": LABELS[leg],
             name: in_contact if TOUCHES[leg][sample] else 1,
-            "pose": _pose(foot_position(leg, sample)),
+            "pose": {"position": foot_position(leg, sample)},
             "wrench": [FORCES[leg][sample]],
             "surface_normal": (0.0, 0.0, 1.0),
             "friction_coefficient": 0.8,
@@ -165,7 +161,7 @@ def _dwl(walk: StateWalk, kind: str, sample: int) -> Fields:
     contacts = []
     for leg in LEGS[:: -1 if sample % 2 else 1]:
         at = foot_position(leg, sample) - base
-        placed = {"position": at} if kind.startswith("old") else {"pose": _pose(at)}
+        placed = {"position": at} if kind.startswith("old") else {"pose": {"position": at}}
         contacts.append({"name": LABELS[leg], "wrench": [FORCES[leg][sample]], **placed})
     return {
         **walk.stamped(sample, "world"),

@@ -190,11 +190,10 @@ def in_the_air() -> Iterator[Case]:
         ("carried while the legs move", (*SENSED, sensor.inertia(6.0)), "|WITHOUT_STEPS"),
         ("carried while the legs move fast", (*SENSED, sensor.inertia(14.0)), "|WITHOUT_STEPS"),
     ):
-        yield Case(name, scenes.carried(), faults, CARRIED + more, "", classes=("stand", None),
+        yield Case(name, scenes.carried(), faults, CARRIED + more, "",
                    events=None if faults else (lifted,))
     for name, faults in (("bumpers", ()), ("force sensors", SENSED)):
-        yield Case(f"sitting, no foot loaded, {name}", scenes.sitting(), faults, classes=(None,),
-                   skip="verdict")
+        yield Case(f"sitting, no foot loaded, {name}", scenes.sitting(), faults, skip="verdict")
 
 
 def sequences() -> Iterator[Case]:

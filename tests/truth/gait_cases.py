@@ -49,8 +49,8 @@ def hildebrand() -> Iterator[Case]:
     for diagonality in (0.1, 0.4):
         border = Walk(gait=gaits.symmetrical(0.62, diagonality), period_s=0.7, seconds=16.0)
         yield Case(f"noise at the border of two classes, diagonality {diagonality:g}", border,
-                   (FORCE, sensor.noise(6.0)), "", "offset", ROUGH, "size", rate_hz=100.0,
-                   events=(), classes=("pace", "walk", "trot"))
+                   (FORCE, sensor.noise(6.0)), "", "offset", ROUGH, "class, size", rate_hz=100.0,
+                   events=())
 
 
 def asymmetrical() -> Iterator[Case]:

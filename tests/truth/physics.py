@@ -5,11 +5,11 @@ engine's.
 """
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import mujoco
 import numpy as np
@@ -178,19 +178,45 @@ def _velocity(model: Any, data: Any, kind: Any, number: int) -> Floats:
     return moving
 
 
+class Imu(NamedTuple):
+    """An inertial unit."""
+
+    frame: str = "base_link"
+    """That of the base, or one that is turned by 90 degrees about its x axis."""
+    gyro: float = 1.0
+    """What a gyroscope reads for a turn rate of 1 rad/s."""
+    late_s: float = 0.0
+    """How far its clock is ahead."""
+
+    def read(self, robot: Physics) -> list[Floats]:
+        """(n, 3) m/s^2 and rad/s."""
+        back = inverse(robot.attitude)
+        moved = np.gradient(robot.base_velocity[:, 3:], robot.time, axis=0)
+        moved[:, 2] += GRAVITY_MPS2
+        read = [turned(back, moved), self.gyro * turned(back, robot.base_velocity[:, :3])]
+        if self.frame == "base_link":
+            return read
+        return [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
+
+
+BARE: Final[Mapping[str, Any]] = {
+    "every": 5, "with_feet": False, "with_poses": False, "imu": Imu(),
+}  # fmt: skip
+"""How a robot without foot sensors and odometry is recorded."""
+
+
 def write_log(
     path: Path,
     robot: Physics,
     *,
-    by_transforms: bool,
+    by_transforms: bool = False,
     points: bool | None = None,
     every: int = 1,
     publishers: int = 1,
     silence_s: tuple[float, float] = (9.0, 9.0),
     with_feet: bool = True,
     with_poses: bool = True,
-    imu: tuple[str, Floats] | None = None,
-    imu_late_s: float = 0.0,
+    imu: Imu | None = None,
 ) -> Path:
     """Write a walk as an MCAP of ROS 2 messages.
 
@@ -204,8 +230,7 @@ def write_log(
         publishers: topics that the joints are shared out on.
         silence_s: time in which no joint states are sent.
         with_feet: whether feet are recorded; `with_poses`, whether odometry is.
-        imu: frame and readings, (n, 6) m/s^2 and rad/s, of an inertial unit.
-        imu_late_s: how far its clock is ahead.
+        imu: an inertial unit on the base.
     """
     rows = slice(0, None, every)
     seconds = robot.time[rows]
@@ -218,9 +243,9 @@ def write_log(
     if robot.parts and not by_transforms:
         add("/robot_description", "std_msgs/msg/String", np.zeros(1), data=urdf(robot.parts))
     if imu is not None:
-        felt, turns = np.hsplit(imu[1][rows], 2)
+        felt, turns = (each[rows] for each in imu.read(robot))
         read = {"linear_acceleration": felt, "angular_velocity": turns}
-        add("/imu", messages.IMU, seconds + imu_late_s, header=messages.header(imu[0]), **read)
+        add("/imu", messages.IMU, seconds + imu.late_s, header=messages.header(imu.frame), **read)
     heard = (seconds < silence_s[0]) | (seconds >= silence_s[1])
     states = {"position": robot.position, "velocity": robot.velocity, "effort": robot.torque}
     for number, share in enumerate(np.array_split(np.arange(len(robot.joints)), publishers)):
@@ -296,44 +321,4 @@ def resized(walk: Physics, size: float) -> Physics:
         force=walk.force * size**3,
         point=walk.point * size,
         parts=tuple(map(part, walk.parts)),
-    )
-
-
-def write_bare_log(
-    path: Path,
-    walk: Physics,
-    *,
-    with_imu: bool = True,
-    imu_frame: str = "base_link",
-    gyro: float = 1.0,
-    every: int = 5,
-    imu_late_s: float = 0.0,
-) -> Path:
-    """Write what a robot without foot sensors and odometry records.
-
-    Args:
-        path: of the log.
-        walk: what it did.
-        with_imu: whether there is an inertial unit.
-        imu_frame: that of the base, or one that is turned by 90 degrees about its x axis.
-        gyro: what a gyroscope reads for a turn rate of 1 rad/s.
-        every: rows of the walk, 500 a second, between messages.
-        imu_late_s: how far the inertial unit's clock is ahead.
-    """
-    back = inverse(walk.attitude)
-    moved = np.gradient(walk.base_velocity[:, 3:], walk.time, axis=0)
-    moved[:, 2] += GRAVITY_MPS2
-    read = [turned(back, moved), gyro * turned(back, walk.base_velocity[:, :3])]
-    if imu_frame != "base_link":
-        read = [each[:, [0, 2, 1]] * [1.0, 1.0, -1.0] for each in read]
-    imu = (imu_frame, np.concatenate(read, axis=1)) if with_imu else None
-    return write_log(
-        path,
-        walk,
-        by_transforms=False,
-        every=every,
-        with_feet=False,
-        with_poses=False,
-        imu=imu,
-        imu_late_s=imu_late_s,
     )

@@ -116,8 +116,8 @@ LEG: Final = (3, 4, 5)
 """Joints of front_right."""
 WAYS: Final = {
     "transforms": {"by_transforms": True},
-    "joints": {"by_transforms": False, "points": True},
-    "force sensors": {"by_transforms": False},
+    "joints": {"points": True},
+    "force sensors": {},
 }
 
 

@@ -8,7 +8,8 @@ import pytest
 import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import HEIGHT_M, quadruped
-from tests.truth.physics import Physics
+from tests.truth.geometry import Floats
+from tests.truth.physics import BARE, Imu, Physics
 from tests.truth.robots import GRAVITY_MPS2
 
 BIAS_RADPS: Final = 0.01
@@ -20,11 +21,13 @@ def warnings(walk: dl.Walk) -> list[str]:
     return [each["code"] for each in found if each["severity"] == "warning"]
 
 
-def biased_imu(truth: Physics) -> tuple[str, Any]:
-    """Return what an inertial unit of a robot that stands upright reads."""
-    at_rest = [0.0, 0.0, GRAVITY_MPS2, BIAS_RADPS, BIAS_RADPS, BIAS_RADPS]
-    noise = np.random.default_rng(1).normal(size=(len(truth.time), 6))
-    return "base_link", at_rest + noise * np.repeat([0.05, 0.002], 3)
+class BiasedImu(Imu):
+    """An inertial unit of a robot that stands upright."""
+
+    def read(self, robot: Physics) -> list[Floats]:
+        at_rest = [0.0, 0.0, GRAVITY_MPS2, BIAS_RADPS, BIAS_RADPS, BIAS_RADPS]
+        noise = np.random.default_rng(1).normal(size=(len(robot.time), 6))
+        return np.hsplit(at_rest + noise * np.repeat([0.05, 0.002], 3), 2)
 
 
 @pytest.mark.parametrize(
@@ -48,10 +51,7 @@ def test_a_sound_trot_is_believed(command: Any, by_transforms: Any) -> None:
 def test_a_robot_that_stands_stays_where_it_is(slope_rad: float) -> None:
     """Without sensors; the engine has no noise, but the gyroscope does not read zero at rest."""
     truth = quadruped((0.0, 0.0, 0.0), 20.0, gait="stand", leans=True, slope_rad=slope_rad)
-    read = biased_imu(truth)
-    walk = physics.measured(
-        truth, by_transforms=False, every=5, with_feet=False, with_poses=False, imu=read
-    )
+    walk = physics.measured(truth, **{**BARE, "imu": BiasedImu()})
     assert not warnings(walk)
     assert walk.gait.name == "stand"
     base = walk.stats["base"]

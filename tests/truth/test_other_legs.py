@@ -13,7 +13,6 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-import dogbot_logtool as dl
 from tests.truth import physics
 from tests.truth.free_walker import HALF_LENGTH, HALF_WIDTH, LINK, OFFSET, PERIOD_S, SIDES, trot
 from tests.truth.gaits import Gait
@@ -102,8 +101,8 @@ KINDS = pytest.mark.parametrize("kind", REACH)
 @KINDS
 def test_swings_and_work_of_legs(kind: str) -> None:
     truth = robot(kind)
-    walk = physics.measured(truth, by_transforms=False)
-    usual = physics.measured(trot(6.0), by_transforms=False)
+    walk = physics.measured(truth)
+    usual = physics.measured(trot(6.0))
     for name in NAMES:
         found, other = walk.stats["feet"][name], usual.stats["feet"][name]
         for metric in ("clearance_m", "swing_length_m", "touchdown_down_mps", "step_length_m"):
@@ -134,7 +133,7 @@ def test_a_knee_that_follows_needs_no_effort(effort: float) -> None:
         torque=with_knee(truth.torque, effort),
         joints=tuple(part.joint for part in truth.parts if part.axis),
     )
-    one, other = (physics.measured(each, by_transforms=False) for each in (truth, told))
+    one, other = (physics.measured(each) for each in (truth, told))
     for metric in ("absolute_work_j", "mechanical_cost_of_transport"):
         assert other.stats["legs"][metric] == pytest.approx(one.stats["legs"][metric])
     found, true = (each.strides["clearance_m"] for each in (other, one))
@@ -143,13 +142,11 @@ def test_a_knee_that_follows_needs_no_effort(effort: float) -> None:
 
 @KINDS
 @pytest.mark.parametrize("source", ["joint_torques", "kinematics"])
-def test_gait_and_base_by_legs_alone(kind: str, source: str, tmp_path: Path) -> None:
+def test_gait_and_base_by_legs_alone(kind: str, source: str) -> None:
     truth = robot(kind)
     if source == "kinematics":
         truth = replace(truth, torque=np.full_like(truth.torque, np.nan))
-    stats: Any = dl.measure(
-        physics.write_bare_log(tmp_path / "log.mcap", truth), mass=truth.mass_kg
-    ).stats
+    stats: Any = physics.measured(truth, **physics.BARE).stats
     assert (stats["settings"]["contact_from"], stats["gait"]["name"]) == (source, "trot")
     down = [foot["contact_fraction"] for foot in stats["feet"].values()]
     assert down == pytest.approx(truth.touching.tolist(), abs=0.06)

@@ -105,7 +105,7 @@ def test_cost_of_transport_and_joints() -> None:
 
 
 def test_curves_over_the_gait_cycle() -> None:
-    truth, walk = trot(), measured(by_transforms=False)
+    truth, walk = trot(), measured()
     for column, name in enumerate(trot().joints):
         curve = walk.stats["legs"]["joints"][name]["position_over_stride"]
         phase = np.array(curve["percent"]) / 100.0
@@ -117,7 +117,7 @@ def test_curves_over_the_gait_cycle() -> None:
 
 
 def test_left_and_right_are_alike() -> None:
-    pairs = measured(by_transforms=False).stats["legs"]["asymmetry_percent"]
+    pairs = measured().stats["legs"]["asymmetry_percent"]
     assert len(pairs) == 6
     assert all(abs(index) < 5.0 for index in pairs.values())
 
@@ -132,18 +132,18 @@ def test_steps_and_rest() -> None:
         assert leg["step_length_m"]["median"] == pytest.approx(half, abs=0.01)
         assert leg["slip_from"] == "foot_frame"
         # The middle of a ball that rolls tells none.
-        assert measured(by_transforms=False).stats["feet"][name]["slip_from"] is None
+        assert measured().stats["feet"][name]["slip_from"] is None
 
 
 def test_several_publishers_tell_the_same() -> None:
-    one, three = (measured(by_transforms=False, publishers=each) for each in (1, 3))
+    one, three = (measured(publishers=each) for each in (1, 3))
     for column in ("clearance_m", "absolute_work_j", "touchdown_down_mps"):
         assert three.strides[column] == pytest.approx(one.strides[column], rel=1e-6, nan_ok=True)
 
 
 def test_a_stride_with_a_silence_has_no_figures() -> None:
-    whole = measured(by_transforms=False)
-    gap = measured(by_transforms=False, silence_s=(1.30, 1.45))
+    whole = measured()
+    gap = measured(silence_s=(1.30, 1.45))
     for column in ("clearance_m", "absolute_work_j"):
         for foot in range(4):
             known, expected = of_foot(gap, foot, column), of_foot(whole, foot, column)
@@ -169,7 +169,7 @@ def test_a_foot_that_bounces_at_touchdown_makes_one_step(speed_mps: float) -> No
     """Heavy legs leave the ground for up to 40 ms after each touchdown, fast ones for 20 ms."""
     legs_kg = HEAVY_KG if speed_mps < 0.5 else LEGS_KG
     truth = quadruped((speed_mps, 0.0, 0.0), 5.0, legs_kg=legs_kg)
-    walk = physics.measured(truth, by_transforms=False, every=5)
+    walk = physics.measured(truth, every=5)
     assert walk.gait.name == "trot"
     assert walk.stats["gait"]["stride_frequency_hz"] == pytest.approx(2.0, rel=0.02)
     for foot in walk.stats["feet"].values():
@@ -179,7 +179,6 @@ def test_a_foot_that_bounces_at_touchdown_makes_one_step(speed_mps: float) -> No
 def test_a_base_reckoned_from_legs_is_not_compared_with_points_in_another_world() -> None:
     walk = physics.measured(
         replace(trot(), point=trot().point + np.array([5.0, 1.0, 0.0])),
-        by_transforms=False,
         points=True,
         with_poses=False,
     )
@@ -201,7 +200,7 @@ def test_poses_without_feet_are_compared_with_their_twist(factor: float) -> None
 def test_legs_that_are_named_tell_which_way_is_forward() -> None:
     """The robot walks to its left all the time, and its sensors tell no places of its feet."""
     truth = quadruped((0.0, 0.2, 0.0), 4.0)
-    stats = physics.measured(truth, by_transforms=False).stats
+    stats = physics.measured(truth).stats
     assert stats["settings"]["forward_axis"] == "+x"
     assert stats["base"]["lateral_speed_mps"] == pytest.approx(0.205, abs=0.01)
     assert stats["base"]["forward_speed_mps"] == pytest.approx(truth.speed_mps, abs=0.01)
@@ -219,7 +218,7 @@ def test_legs_whose_names_contradict_the_guessed_axis_tell_it(tmp_path: Path) ->
     file = tmp_path / "robot.urdf"
     text = urdf(truth.parts).replace("base_link", "trunk").replace("</robot>", turn)
     file.write_text(text.replace("</robot>", '<link name="base_link"/></robot>'))
-    log = physics.write_log(tmp_path / "log.mcap", aside, by_transforms=False)
+    log = physics.write_log(tmp_path / "log.mcap", aside)
     stats = dl.measure(log, urdf=file, mass=truth.mass_kg).stats
     assert stats["settings"]["forward_axis"] == "+y"
     assert "FORWARD_AXIS" in {each["code"] for each in stats["findings"]}

@@ -15,7 +15,7 @@ import dogbot_logtool as dl
 from tests.truth.free_walker import HEAVY_KG, biped, quadruped
 from tests.truth.geometry import Floats, product, turned
 from tests.truth.parts import urdf
-from tests.truth.physics import Physics, resized, write_bare_log, write_log
+from tests.truth.physics import BARE, Imu, Physics, resized, write_log
 
 Change = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
 ROBOTS: Final[Mapping[str, Callable[[], Physics]]] = {
@@ -47,7 +47,7 @@ def robot(name: str) -> Physics:
 
 
 def measured(path: Path, walk: Physics, **options: Any) -> dl.Walk:
-    return dl.measure(write_bare_log(path / "log.mcap", walk, **options))
+    return dl.measure(write_log(path / "log.mcap", walk, **{**BARE, **options}))
 
 
 def codes(walk: dl.Walk) -> dict[str, str]:
@@ -111,7 +111,7 @@ def test_poses_place_the_feet_that_joints_tell(heading_rad: float, tmp_path: Pat
         base=turned(np.array([half]), truth.base),
         attitude=product(np.array([half]), truth.attitude),
     )
-    log = write_log(tmp_path / "log.mcap", north, by_transforms=False, every=5, with_feet=False)
+    log = write_log(tmp_path / "log.mcap", north, every=5, with_feet=False)
     stats = dl.measure(log).stats
     assert stats["settings"]["contact_from"] == "joint_torques"
     assert stats["settings"]["base_from"] == "pose"
@@ -125,9 +125,7 @@ def test_poses_place_the_feet_that_joints_tell(heading_rad: float, tmp_path: Pat
 
 
 def test_sensors_without_poses_keep_their_gait_where_joints_tell_nothing(tmp_path: Path) -> None:
-    log = write_log(
-        tmp_path / "log.mcap", robot("trot"), by_transforms=False, every=20, with_poses=False
-    )
+    log = write_log(tmp_path / "log.mcap", robot("trot"), every=20, with_poses=False)
     stats = dl.measure(log).stats
     assert (stats["settings"]["contact_from"], stats["gait"]["name"]) == ("sensor", "trot")
     assert stats["base"]["forward_speed_mps"] is None
@@ -213,7 +211,7 @@ def test_efforts_of_a_robot_of_unknown_mass_tell_no_forces(tmp_path: Path) -> No
 def test_turns_that_contradict_the_feet_leave_all_unknown(
     gyro: float, command: tuple[float, float, float], why: str, tmp_path: Path
 ) -> None:
-    walk = measured(tmp_path, quadruped(command), gyro=gyro)
+    walk = measured(tmp_path, quadruped(command), imu=Imu(gyro=gyro))
     assert why in codes(walk)["NO_FEET"]
     assert (walk.gait.name, walk.stats["base"]["yaw_rate_radps"]) == (None, None)
 
@@ -221,9 +219,9 @@ def test_turns_that_contradict_the_feet_leave_all_unknown(
 @pytest.mark.parametrize(
     ("command", "options"),
     [
-        ((0.4, 0.0, 0.0), {"with_imu": False}),
-        ((0.3, 0.0, 0.5), {"with_imu": False}),
-        ((0.0, 0.0, 0.8), {"imu_late_s": 1e6}),
+        ((0.4, 0.0, 0.0), {"imu": None}),
+        ((0.3, 0.0, 0.5), {"imu": None}),
+        ((0.0, 0.0, 0.8), {"imu": Imu(late_s=1e6)}),
     ],
 )
 def test_joints_alone_tell_feet_and_base(
@@ -249,7 +247,7 @@ def test_small_and_large_robots_turn(size: float, tmp_path: Path) -> None:
 
 
 def test_the_robot_walks_through_the_world_of_the_output(tmp_path: Path) -> None:
-    log = write_bare_log(tmp_path / "log.mcap", robot("trot"))
+    log = write_log(tmp_path / "log.mcap", robot("trot"), **BARE)
     dl.convert(log, tmp_path / "out.mcap", encoding="ros2")
     with (tmp_path / "out.mcap").open("rb") as stream:
         messages = make_reader(stream, decoder_factories=[DecoderFactory()])
@@ -270,7 +268,8 @@ def test_an_inertial_unit_is_turned_as_the_description_says(tmp_path: Path) -> N
     )
     file = tmp_path / "robot.urdf"
     file.write_text(urdf(truth.parts).replace("</robot>", mount))
-    walk = dl.measure(write_bare_log(tmp_path / "log.mcap", truth, imu_frame="imu"), urdf=file)
+    mounted = {**BARE, "imu": Imu("imu")}
+    walk = dl.measure(write_log(tmp_path / "log.mcap", truth, **mounted), urdf=file)
     rate = truth.base_velocity[:, 2].mean()
     assert walk.stats["base"]["yaw_rate_radps"] == pytest.approx(rate, abs=0.01)
     assert abs(walk.stats["base"]["roll_rad"]["median"]) < 0.02

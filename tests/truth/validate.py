@@ -23,7 +23,7 @@ from tests.truth.cases import groups
 from tests.truth.geometry import Floats
 from tests.truth.judging import faults, judge
 from tests.truth.outcome import measured_log, nearest, outcome
-from tests.truth.physics import write_bare_log
+from tests.truth.physics import BARE, write_log
 from tests.truth.test_without_sensors import ROBOTS, SOURCES, force_error_bw
 
 REACH_S: Final = 0.15
@@ -133,7 +133,7 @@ def without_sensors() -> str:
         for name, run in ROBOTS.items():
             truth = run()
             for source, change in SOURCES.items():
-                path = write_bare_log(Path(folder) / "log.mcap", truth.telling(change))
+                path = write_log(Path(folder) / "log.mcap", truth.telling(change), **BARE)
                 walk = dl.measure(path)
                 stats = walk.stats
                 feet = [foot["contact_fraction"] for foot in stats["feet"].values()]

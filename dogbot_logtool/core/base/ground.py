@@ -63,9 +63,7 @@ class FootPath(NamedTuple):
 
     def in_world(self, base: BaseHistory) -> "FootPath":
         """Place the path in the world by the base's poses; times without one are left out."""
-        turn = from_roll_pitch_yaw(base.angles_at(self.time))
-        position = base.position_at(self.time) + rotate(turn, self.position.astype(np.float64))
-        return known_path(self.time, position)
+        return known_path(self.time, base.point_at(self.time, self.position.astype(np.float64)))
 
 
 def path_of(time: Ints, position: Floats | Float32s) -> FootPath:

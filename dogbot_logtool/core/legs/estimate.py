@@ -41,8 +41,8 @@ from dogbot_logtool.core.legs.ground import (
     effort_fault,
     ground_forces,
     loaded_feet,
-    middles,
     resting_feet,
+    settled,
     stuck_joint,
 )
 from dogbot_logtool.core.recording import JointTable, Recording
@@ -248,7 +248,7 @@ def _poses(feet: FeetOnGround, standing: Flags, moved: LegOdometry) -> Odometry:
     joints, inertial = feet.joints, feet.inertial
     if inertial.tells_up:
         # An accelerometer bridges the ends of contacts better than feet do that land or leave.
-        moved = feet.odometry(middles(joints.seconds, standing))
+        moved = feet.odometry(settled(joints.samples.stamp, standing))
     found = dead_reckoned(moved, inertial)
     position = found.position.copy()
     height = np.where(standing, -feet.upwards(feet.points), np.nan)

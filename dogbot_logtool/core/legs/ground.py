@@ -17,6 +17,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import (
     Flags,
     Floats,
+    Ints,
     all_finite,
     flagged_runs,
     latched,
@@ -107,8 +108,8 @@ AROUND_S: Final = 0.03
 """s before and after, over which the velocity of the base is the median."""
 EDGE: Final = 0.2
 """Share of a contact at either end in which the foot may not rest yet, or any more."""
-LONGEST_EDGE_S: Final = 0.2
-"""s, but no longer: a foot of a robot that stands rests from then on."""
+LONGEST_EDGE_NS: Final = 200_000_000
+"""ns, but no longer: a foot of a robot that stands rests from then on."""
 
 
 class FeetOnGround(NamedTuple):
@@ -231,15 +232,13 @@ def _common(seconds: Floats, implied: Floats, resting: Flags) -> Floats:
     return np.asarray((total[end] - total[begin]) / (end - begin)[:, None])
 
 
-def middles(seconds: Floats, standing: Flags) -> Flags:
+def settled(time: Ints, standing: Flags) -> Flags:
     """(n, f) which of the feet in contact are so not just after touchdown or before lift-off."""
     inner = np.zeros_like(standing)
-    longest = LONGEST_EDGE_S / max(float(median_of(np.diff(seconds))), 1e-6)
     for foot, column in enumerate(standing.T):
-        runs = flagged_runs(column)
-        edge = np.ceil(np.minimum(EDGE * (runs[:, 1] - runs[:, 0]), longest)).astype(np.int64)
-        within = runs + edge[:, None] * [1, -1]
-        inner[:, foot] = covers(within[within[:, 0] < within[:, 1]], np.arange(len(column)))
+        spans = time[flagged_runs(column) - [0, 1]]
+        edge = np.minimum(EDGE * np.diff(spans), LONGEST_EDGE_NS).astype(np.int64)
+        inner[:, foot] = covers(spans + edge * [1, -1], time)
     return inner
 
 

@@ -339,7 +339,7 @@ def _world(point: Any, position: Any, angles: Any) -> Any:
 
 def test_joint_states_bend_the_legs_as_the_engine_does(tmp_path: Path) -> None:
     """A log without transforms, but with a robot description."""
-    log = physics.write_log(tmp_path / "log.mcap", trot(), by_transforms=False)
+    log = physics.write_log(tmp_path / "log.mcap", trot())
     found = replayed(log)
     limbs, row = found["limbs"], 10
     joints = numbers(limbs["point"]).reshape(-1, len(limbs["parents"]), 3)[row]
