@@ -269,13 +269,10 @@ def offset_track(log_time: Ints, stamp: Ints) -> OffsetTrack:
     if not len(log_time):
         return log_time, stamp
     window, offset = log_time // WINDOW_NS, log_time - stamp
-    # Messages nearly always stand in the order of their windows: few runs are left to sort.
+    order = np.argsort(window, kind="stable")
+    window, offset = window[order], offset[order]
     first = np.flatnonzero(np.diff(window, prepend=window[0] - 1))
-    window, least = window[first], np.minimum.reduceat(offset, first)
-    order = np.lexsort((least, window))
-    window, least = window[order], least[order]
-    lowest = np.flatnonzero(np.diff(window, prepend=window[0] - 1))
-    return window[lowest], least[lowest]
+    return window[first], np.minimum.reduceat(offset, first)
 
 
 def clock_at(at: Ints, log_time: Ints, stamp: Ints) -> Ints:

@@ -151,9 +151,7 @@ def _spans(walk: Walk) -> Iterator[Event]:
 
 def _carried(walk: Walk) -> Iterator[Event]:
     """Yield when no foot is down, and the base is as high as while it stands, or higher."""
-    down = [foot.record.in_contact for foot in walk.feet if len(foot.record.in_contact)]
-    if not down:
-        return
+    down = [timespans.no_spans(), *(foot.record.in_contact for foot in walk.feet)]
     time, z = walk.base_history.time, walk.base_history.position[:, 2]
     stands = timespans.covers(timespans.merge(np.concatenate(down)), time)
     lifted = walk.standing.lifted

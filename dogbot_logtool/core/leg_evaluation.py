@@ -67,9 +67,7 @@ def with_legs(walk: Walk, settings: LegSettings) -> Walk:
     feet = tuple(_with_leg(walk, settings, row, legs, joints.values()) for row in range(len(legs)))
     strides = walk.feet[walk.reference].strides if walk.feet else None
     working = [each for each in joints.values() if each.moves and each.has_effort]
-    work = np.empty((2, 0))
-    if strides is not None:
-        work = summed_work(working, strides.touchdown, strides.end)
+    work = np.empty((2, 0)) if strides is None else summed_work(working, strides)
     found, ranges = _joints(walk, joints)
     figures = LegFigures(
         settings=settings,
@@ -141,7 +139,7 @@ def _with_leg(
     """
     foot, leg, chain = walk.feet[row], legs[row], settings.chains[row]
     own = [each for each in joints if each.foot == row and (each.works or not each.moves)]
-    work = summed_work(own, foot.strides.touchdown, foot.strides.end)
+    work = summed_work(own, foot.strides)
     done = dict(zip(("positive_work_j", "absolute_work_j"), work, strict=True))
     of_strides = {**foot.of_strides, **leg.swings, **_steps(walk, row, legs), **done}
     if leg.stood is None or chain is None:

@@ -132,8 +132,14 @@ class WalkSettings:
 
     @property
     def lacks_feet(self) -> bool:
-        """Whether the robot has feet beside these, so that nothing is known of all together."""
-        return are_some_of([foot.leg_position for foot in self.feet])
+        """Whether the robot has feet beside these, so that nothing is known of all together.
+
+        By how many these are, and by their names.
+        """
+        positions = [foot.leg_position for foot in self.feet]
+        named = {each for each in positions if each and each[0] in _ENDS and each[1] in _SIDES}
+        all_named = 0 < len(named) == len(positions)
+        return len(positions) == 1 or (all_named and legs_in_order(positions) is None)
 
     @property
     def force_in_world(self) -> bool:
@@ -142,13 +148,6 @@ class WalkSettings:
 
 
 # --- the positions of legs on the body ---
-
-
-def are_some_of(leg_positions: Sequence[LegPosition | None]) -> bool:
-    """Tell whether a robot with these feet has others, too, by how many there are and by names."""
-    named = {each for each in leg_positions if each and each[0] in _ENDS and each[1] in _SIDES}
-    all_named = 0 < len(named) == len(leg_positions)
-    return len(leg_positions) == 1 or (all_named and legs_in_order(leg_positions) is None)
 
 
 _ENDS: Final = ("front", "middle", "back")

@@ -4,6 +4,7 @@ import json
 import struct
 import tracemalloc
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -12,6 +13,7 @@ import pytest
 from mcap.writer import CompressionType, IndexType, Writer
 
 import dogbot_logtool as dl
+from tests import forked_cli
 from tests.comparison.recordings import (
     JSON,
     RAW,
@@ -28,8 +30,6 @@ from tests.comparison.recordings import (
     ros_kind,
     scene,
 )
-from tests.forked_cli import Ended
-from tests.forked_cli import run as run_command
 
 
 def mixed(count: int = 50) -> Recording:
@@ -149,8 +149,7 @@ DOCUMENT = '{"gait": {"name": "trot"}}'
 TOPICS = ("/a", "/b", "/<&>\x1b[31m\x00")
 
 
-def run(*words: object, timeout: float = 120.0) -> Ended:
-    return run_command("compare", *words, timeout=timeout)
+run = partial(forked_cli.run, "compare")
 
 
 def write_log(path: Path, *payloads: str, topics: tuple[str, ...] = ("/a",)) -> Path:

@@ -33,7 +33,7 @@ WITHIN_S = 60.0
 def cluster_of(count: int) -> Iterator[LocalCluster]:
     """Run workers of one thread each, and a scheduler that gives up what has killed two."""
     settings = {"allowed-failures": 1, "worker-saturation": 1.0}
-    options = {"threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
+    options = {"threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": ":0"}
     with (
         dask.config.set({f"distributed.scheduler.{key}": each for key, each in settings.items()}),
         LocalCluster(n_workers=count, **options) as running,

@@ -23,8 +23,7 @@ from dogbot_logtool.errors import CallError, LogtoolError
 from dogbot_logtool.io.output import whole_file
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.convert import ConvertOptions
-from tests.forked_cli import Ended
-from tests.forked_cli import run as run_command
+from tests import forked_cli
 from tests.oracles.walks import START, Walk, write_mcap
 from tests.run.test_cluster import cluster_of
 
@@ -104,8 +103,7 @@ def serial(lab: Lab) -> dict[Path, Any]:
     return {path: measure(path) for path in set(lab.logs.values())}
 
 
-def run(*words: object, folder: Path) -> Ended:
-    return run_command(*words, folder=folder, timeout=240)
+run = partial(forked_cli.run, timeout=240)
 
 
 def kill_a_worker(lab: Lab, *, when: int) -> threading.Thread:

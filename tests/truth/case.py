@@ -15,19 +15,10 @@ class Tolerance:
     event_s: float = 0.03
     duty: float = 0.03
     contact: float = 0.03
-    period: float = 0.01
-    """Of the period."""
     force: float = 0.05
     """Of the force."""
-    impulse: float = 0.03
-    share: float = 0.02
     margin: float = 0.01
     """m"""
-    speed: float = 0.02
-    """Of the speed, or m/s: the larger."""
-    phase: float = 0.03
-    length: float = 0.04
-    """Of the stride length."""
 
 
 @dataclass(frozen=True, slots=True)

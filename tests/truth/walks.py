@@ -23,9 +23,6 @@ BIPED: Final = Walk(gait=gaits.BIPED_WALK, robot=biped(), period_s=1.1, speed_mp
 WAVE: Final = Walk(gait=gaits.WAVE, robot=hexapod(), period_s=2.0, speed_mps=0.05, seconds=24.0)
 LIGHT: Final = Walk(robot=quadruped(0.5))
 
-COARSE: Final = Tolerance(
-    event_s=0.08, duty=0.08, contact=0.06, force=0.15, impulse=0.06, phase=0.06, share=0.04,
-    margin=0.035,
-)  # fmt: skip
+COARSE: Final = Tolerance(event_s=0.08, duty=0.08, contact=0.06, force=0.15, margin=0.035)
 """Of robots with several faults at once, or hardly any samples."""
 ROUGH: Final = Tolerance(event_s=0.04, duty=0.05, contact=0.05)

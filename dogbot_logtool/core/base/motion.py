@@ -265,10 +265,8 @@ def _standing_height_m(base: BaseHistory, feet: Sequence[FootHistory], height_m:
 
 def _are_loaded(feet: Sequence[FootHistory], start: int, end: int) -> bool:
     """Tell whether a foot is loaded between two times, ns; yes where that is not known."""
-    span = np.array([[start, end]], np.int64)
-    known = [foot for foot in feet if timespans.total(timespans.intersect([foot.known, span]))]
-    loaded = [timespans.total(timespans.intersect([foot.in_contact, span])) for foot in known]
-    return not known or any(loaded)
+    loaded = [foot.contact_fraction(np.array([[start, end]], np.int64)) for foot in feet]
+    return any(loaded) or all(share is None for share in loaded)
 
 
 LAST_S: Final = 2.0

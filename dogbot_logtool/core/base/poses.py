@@ -373,9 +373,9 @@ def _follows(base: BaseHistory, jumps: PoseJumps) -> Flags:
     rows, last = jumps.rows, len(base.time) - 1
     start = np.maximum(rows - COURSE_STEPS, np.concatenate([[0], rows[:-1] + 1]))
     end = np.minimum(rows + 1 + COURSE_STEPS, np.concatenate([rows[1:], [last]]))
-    before = base.position[rows, :2] - base.position[start, :2]
-    after = base.position[end, :2] - base.position[rows + 1, :2]
-    far = np.minimum(np.hypot(*before.T), np.hypot(*after.T)) > COURSE_M
-    course = np.arctan2(after[:, 1], after[:, 0]) - np.arctan2(before[:, 1], before[:, 0])
-    off = np.abs(np.angle(np.exp(1j * (course - jumps.turn_rad))))
-    return np.asarray(~far | (off < np.abs(np.angle(np.exp(1j * course)))))
+    place = base.position[:, 0] + 1j * base.position[:, 1]
+    before, after = place[rows] - place[start], place[end] - place[rows + 1]
+    far = np.minimum(np.abs(before), np.abs(after)) > COURSE_M
+    course = after * before.conj()
+    off = np.abs(np.angle(course * np.exp(-1j * jumps.turn_rad)))
+    return np.asarray(~far | (off < np.abs(np.angle(course))))

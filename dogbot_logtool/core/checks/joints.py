@@ -157,7 +157,7 @@ def _signs(walk: Walk, legs: LegFigures) -> dict[str, LegSigns]:
         return {}
     judged = {}
     for row, (foot, leg) in enumerate(zip(walk.feet, legs.feet, strict=True)):
-        joints = [joint for joint in legs.joints_of(row) if joint.works]
+        joints = [joint for joint in legs.moving if joint.foot == row]
         pushes = stride_curve(foot, foot.strides, forward=True)
         if leg.path is None or leg.reason or pushes is None or not joints:
             continue

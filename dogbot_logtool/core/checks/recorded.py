@@ -198,7 +198,7 @@ def _evidence(seen: WrenchFrameEvidence) -> str:
         for how, fit in fits.items()
         if fit is not None
     ]
-    return f"{'; '.join(told)}; {seen.samples} samples"
+    return f"{'; '.join(told)}; {seen.world.samples} samples"
 
 
 FEW: Final = 0.005

@@ -87,11 +87,6 @@ class WrenchFrameEvidence(NamedTuple):
         """Whether the world is taken for the frame since the forces as recorded may be in it."""
         return self.frame is WrenchFrame.WORLD and self.world is not None
 
-    @property
-    def samples(self) -> int:
-        """Loaded samples that were looked at; 0 where the type of the messages decides."""
-        return 0 if self.world is None else self.world.samples
-
 
 def frame_fit(samples: Sequence[Samples], turned: Sequence[Flags] | None = None) -> FrameFit | None:
     """Measure how well forces obey physics if they are in the world frame.

@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, circular_mean, wrapped
 from dogbot_logtool.core.gait.strides import Strides
 from dogbot_logtool.core.metrics import Gait, LimbPhase
@@ -161,11 +162,9 @@ def phases_in(reference: Strides, touchdown: Ints) -> Floats:
     Returns:
         (m,) phases.
     """
+    touchdown = touchdown[timespans.covers(reference.spans, touchdown)]
     stride = np.searchsorted(reference.touchdown, touchdown, side="right") - 1
-    inside = stride >= 0
-    inside[inside] = touchdown[inside] < reference.end[stride[inside]]
-    stride = stride[inside]
-    since = touchdown[inside] - reference.touchdown[stride]
+    since = touchdown - reference.touchdown[stride]
     phases: Floats = since / (reference.end[stride] - reference.touchdown[stride])
     return phases
 

@@ -303,10 +303,6 @@ class LegFigures(NamedTuple):
         """Joints that motors move."""
         return [joint for joint in self.joints.values() if joint.works]
 
-    def joints_of(self, foot: int) -> list[JointTrack]:
-        """Return the joints that move a foot."""
-        return [joint for joint in self.joints.values() if joint.foot == foot]
-
 
 def joint_work(joint: JointTrack, begin: Ints, end: Ints) -> Floats:
     """(2, m) J, positive and absolute work of a joint in some spans, (m,) ns each.
@@ -322,12 +318,12 @@ def joint_work(joint: JointTrack, begin: Ints, end: Ints) -> Floats:
     return work
 
 
-def summed_work(joints: Sequence[JointTrack], begin: Ints, end: Ints) -> Floats:
-    """(2, m) J, positive and absolute work of several joints; NaN of none."""
+def summed_work(joints: Sequence[JointTrack], strides: Strides) -> Floats:
+    """(2, strides) J, positive and absolute work of several joints; NaN of none."""
     if not joints:
-        return np.full((2, len(begin)), np.nan)
-    work: Floats = np.sum([joint_work(joint, begin, end) for joint in joints], axis=0)
-    return work
+        return np.full((2, len(strides.end)), np.nan)
+    works = [joint_work(joint, strides.touchdown, strides.end) for joint in joints]
+    return np.asarray(np.sum(works, axis=0))
 
 
 def joint_curve(joint: JointTrack, strides: Strides) -> tuple[Shape, float] | None:
