@@ -391,7 +391,7 @@ MOST_RISE_M: Final = 0.1
 what a lean that is some degrees off makes of it, and `SINKS`, a share of a leg a stride: how the
 base bounces while no foot stands is guessed."""
 MOST_RISE: Final = 0.05
-SINKS: Final = 0.04
+SINKS: Final = 0.03
 SINKS_UNSEEN: Final = 0.08
 """The same where no sensor tells when feet stand."""
 RISES: Final = 0.2
