@@ -329,8 +329,10 @@ class Comparison(NamedTuple):
 
     @property
     def goes_m(self) -> float:
-        """How far the witness goes, or poses beside one that stays, if half of that is more, m."""
-        return max(self.reference.walked_m, self.own.walked_m / 2.0)
+        """How far the witness goes, or poses beside legs that stay, if half of that is more, m."""
+        # A twist of zeros was not filled in.
+        beside = self.own.walked_m / 2.0 if self.by == LEGS else 0.0
+        return max(self.reference.walked_m, beside)
 
     @property
     def goes(self) -> bool:
