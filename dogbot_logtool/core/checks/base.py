@@ -408,7 +408,8 @@ def _climb(walk: Walk, feet: Comparison, leg_m: float) -> Iterator[Finding]:
     tall = height.median if height else walk.worlds.spread_m if walk.worlds else np.inf
     words: Words = {"metres": metres, "told": feet}
     if feet.by == LEGS:
-        goes_alike = feet.goes and SCALES[0] <= feet.scale <= SCALES[1]
+        goes_alike = SCALES[0] <= feet.scale <= SCALES[1]
+        goes_alike |= feet.goes_m <= SHORTEST_STEP * leg_m * feet.strides
         sinks_m = leg_m * (SINKS_UNSEEN if walk.settings.contact_from else SINKS)
         most = max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m, sinks_m * feet.strides)
         if goes_alike and abs(metres) > most:

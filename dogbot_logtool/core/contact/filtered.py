@@ -13,7 +13,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, all_finite, median_of, percentiles_of
 from dogbot_logtool.core.clock import usual_interval_s
 from dogbot_logtool.core.contact.contacts import Samples
-from dogbot_logtool.core.contact.sensor import load_axis
+from dogbot_logtool.core.contact.sensor import SAME, load_axis
 
 HALF: Final = 0.5
 """Share of a foot's usual range below which its load falls until it rises above it."""
@@ -146,7 +146,7 @@ def _tails_of(samples: Samples) -> _Tails:
         return _NO_TAILS
     load = _along_load(force)
     low, high = percentiles_of(load, (2.0, 90.0))
-    if not high > low:
+    if high - low <= SAME * max(abs(low), abs(high)):
         return _NO_TAILS
     noise = float(median_of(np.abs(np.diff(load, 2)))) / _SECOND_DIFFERENCE / (high - low)
     share, over = (load - low) / (high - low), int((CLEAN * noise) ** 2) + 1

@@ -60,7 +60,7 @@ _ROUNDS: Final = 5
 _ENTER, _LEAVE = 0.1, 0.35
 """Shares of the way from swing to the highest loads: a visit to the swing mode begins below the
 first, and ends above the second."""
-SAME: Final = 1e-9
+SAME: Final = 1e-4
 """Share of a force by which it differs in its last digits only."""
 
 FEWEST_SAMPLES: Final = 20

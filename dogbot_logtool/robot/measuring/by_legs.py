@@ -75,7 +75,8 @@ def _estimated(
     if not selection.odometry:
         named = replace(named, world_frame=named.world_frame or _WORLD)
         findings = [each for each in findings if each.code != "NO_BASE"]
-        lean, within = "taken as none", "14 %"
+        lean = "taken as none"
+        within = "14 % of a body that stays level, mostly within 50 % of one that sways on two feet"
         if estimated.inertial.tells_up:
             lean, within = "by the accelerometer", "6 %"
         by = estimated.inertial.turns_from
