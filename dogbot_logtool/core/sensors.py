@@ -22,6 +22,7 @@ from dogbot_logtool.core.contact.foot_history import (
 from dogbot_logtool.core.contact.sensor import (
     CONSTANT,
     STEPS,
+    STEPS_UNCLEAR,
     SURE,
     SensorLevel,
     estimate_level,
@@ -57,6 +58,7 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
     # A mass that is only guessed from the topics tells nothing of levels.
     if weight is not None and not settings.mass_is_assumed:
         levels = fitting_levels(levels, weight)
+    levels = _as_others_step(levels)
     estimated = weight_of_levels(levels) if weight is None else None
     # A robot that stands in a simulator without noise has no force that varies.
     some_vary = CONSTANT in {level.reason for level in levels} and any(
@@ -74,6 +76,17 @@ def with_sensors(settings: WalkSettings, feet: Sequence[Samples]) -> WalkSetting
         level = replace(level, limit_n=_limit_n(samples.force, level))  # noqa: PLW2901
         found.append(foot._replace(level=level, rule=rule))
     return replace(settings, feet=tuple(found), estimated_weight_n=estimated)
+
+
+def _as_others_step(levels: Levels) -> Levels:
+    """Believe no foot to be always down where half of all feet step, by sensors with offsets."""
+    stepping = sum(not level.reason and bool(level.offset.any()) for level in levels)
+    if 2 * stepping < len(levels):
+        return levels
+    return tuple(
+        replace(level, hides_contact=True) if level.reason in STEPS_UNCLEAR else level
+        for level in levels
+    )
 
 
 def _level(foot: FootSettings, samples: Samples, *, takes: bool) -> SensorLevel:

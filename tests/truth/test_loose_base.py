@@ -104,3 +104,12 @@ def test_poses_that_drift_while_legs_stay_or_walk_on_level_ground(with_feet: Any
     walk = physics.measured(up, by_transforms=False, every=2, with_feet=with_feet)
     assert "WORLDS_DIFFER" in warnings(walk)
     assert walk.stats["base"]["climb_m"] is None
+
+
+@pytest.mark.parametrize("points", [True, False])
+def test_z_that_drifts_while_the_robot_stands(points: Any) -> None:
+    truth = quadruped((0.0, 0.0, 0.0), 8.0, gait="stand", leans=True)
+    up = replace(truth, base=truth.base + np.outer(truth.time, [0.0, 0.0, 0.1]))
+    walk = physics.measured(up, points=points, every=5)
+    assert "WORLDS_DIFFER" in warnings(walk)
+    assert walk.stats["base"]["climb_m"] is None

@@ -223,8 +223,15 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
         yield _doubted(walk, "POSE_DIRECTION", *leans, degrees=degrees, side=side, witness=way)
     yield from _orientation(walk, own, feet, windows)
     yield from (planar := list(_planar(walk, feet, windows)))
-    if feet is not None and not (planar or walk.settings.base_from_legs):
+    if planar or walk.settings.base_from_legs:
+        return
+    if feet is not None:
         yield from _climb(walk, feet, leg_m)
+    elif walk.witness is not None and walk.witness.rests and walk.contacts_known:
+        metres = float(np.nansum(own.rise))
+        if walk.period_s is None and abs(metres) > MOST_RISE_M:
+            words: Words = {"say": "stands", "metres": metres, "where": "base.climb_m"}
+            yield found("WORLDS_DIFFER", "drifts", "legs", **words)
 
 
 def feet_agree(walk: Walk) -> bool:
