@@ -37,6 +37,9 @@ def test_a_process_that_dies_is_told(log: Log, size: int) -> None:
         if item == 1:
             second.value = os.getpid()
             time.sleep(0.0 if size else 60.0)
+        elif item > 1:
+            # Else the other process may do all that is left before the death is seen.
+            time.sleep(0.2)
         return bytes(item * size)
 
     with closing(in_order(work, log, range(8), 2)) as results:
