@@ -196,9 +196,14 @@ def by_legs(
     if not len(speed) or legs.noise_mps > max(UNSURE_MPS, UNSURE * float(median_of(speed))):
         return None
     rests = max(float(np.ptp(path.position, axis=0).max()) for path in paths) < RESTS_M
-    leg_m = float(median_of_known(norms(place.reshape(-1, 3)), axis=0))
-    poses = dead_reckoned(legs)
-    return Witness(poses, LEGS, True, tells_turn, rests, leg_m)  # noqa: FBT003
+    return Witness(
+        dead_reckoned(legs),
+        LEGS,
+        tells_heading=True,
+        tells_turn=tells_turn,
+        rests=rests,
+        leg_m=float(median_of_known(norms(place.reshape(-1, 3)), axis=0)),
+    )
 
 
 SHORTEST_STRIDES: Final = 1.5

@@ -223,15 +223,8 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
         yield _doubted(walk, "POSE_DIRECTION", *leans, degrees=degrees, side=side, witness=way)
     yield from _orientation(walk, own, feet, windows)
     yield from (planar := list(_planar(walk, feet, windows)))
-    if planar or walk.settings.base_from_legs:
-        return
-    if feet is not None:
-        yield from _climb(walk, feet, leg_m)
-    elif walk.witness is not None and walk.witness.rests and walk.contacts_known:
-        metres = float(np.nansum(own.rise))
-        if walk.period_s is None and abs(metres) > MOST_RISE_M:
-            words: Words = {"say": "stands", "metres": metres, "where": "base.climb_m"}
-            yield found("WORLDS_DIFFER", "drifts", "legs", **words)
+    if not (planar or walk.settings.base_from_legs):
+        yield from _climb_in_stand(walk, own) if feet is None else _climb(walk, feet, leg_m)
 
 
 def feet_agree(walk: Walk) -> bool:
@@ -336,9 +329,9 @@ def _turns_apart(by: str, told: Floats, own: Floats, least: float) -> dict[str, 
 
     Args:
         by: the witness.
-        told: (k,) rad, its turns; NaN: not known. Also `own`, those of the poses.
-        own: as above.
-        least: rad that the witness must turn.
+        told: (k,) rad, its turns in some windows; NaN: not known.
+        own: (k,) rad, those of the poses.
+        least: rad that the witness must turn in all.
     """
     both = np.isfinite(told) & np.isfinite(own)
     turned, as_posed = float(told[both].sum()), float(own[both].sum())
@@ -426,6 +419,15 @@ def _climb(walk: Walk, feet: Comparison, leg_m: float) -> Iterator[Finding]:
         _, steadiness = trend(rise[:, None])
         if steadiness >= STEADY:
             yield found("WORLDS_DIFFER", "drifts", where="base.height_m", **words)
+
+
+def _climb_in_stand(walk: Walk, own: Motion) -> Iterator[Finding]:
+    """Yield that z of the poses changes while no leg moves."""
+    rests = walk.witness is not None and walk.witness.rests and walk.period_s is None
+    metres = float(np.nansum(own.rise))
+    if rests and walk.contacts_known and abs(metres) > MOST_RISE_M:
+        where = "base.climb_m"
+        yield found("WORLDS_DIFFER", "drifts", "legs", where=where, say="stands", metres=metres)
 
 
 def _doubted(
