@@ -46,8 +46,8 @@ WEAKEST: Final = 1e-3
 STRONGEST: Final = 10.0
 
 CONTRADICTS: Final = 0.75
-"""Cosine of work given and taken up to which efforts as recorded are doubted, if with a factor for
-each joint it reaches `AGREES`. With right signs, a quadruped in a physics engine has 0.9 to 1."""
+"""Cosine of work given and taken up to which efforts as recorded are doubted, if with other signs
+it reaches `AGREES`. With right signs, a quadruped in a physics engine has 0.9 to 1."""
 AGREES: Final = 0.9
 _MATTERS: Final = 0.3
 """Share of the work taken that a joint does, if it is to be named."""
@@ -202,10 +202,11 @@ def _leg_signs(
         return (), float(np.linalg.norm(given.sum(axis=1))) / size
     factors = np.linalg.lstsq(given, taken, rcond=None)[0]
     odd = (np.linalg.norm(given * factors, axis=0) > _MATTERS * size) & (factors < 0.0)
-    if not odd.any() or _cosine(given @ factors, taken) < AGREES:
+    turned = given @ np.where(odd, -1.0, 1.0)
+    if not odd.any() or _cosine(turned, taken) < AGREES:
         return None
     names = tuple(joints[row].name for row in np.flatnonzero(odd).tolist())
-    return names, float(np.linalg.norm(given @ np.sign(factors))) / size
+    return names, float(np.linalg.norm(turned)) / size
 
 
 def _cosine(one: Floats, other: Floats) -> float:
