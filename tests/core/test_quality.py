@@ -53,7 +53,7 @@ BURST = S + np.arange(12, dtype=np.int64) * 20_000
         (BURST[:2], BURST[:2], {"rate_hz": None}),
         (BURST, BURST, {"rate_hz": None}),
         (steady(9), steady(9), {"rate_hz": None}),
-        (2 * steady() - S, steady(), {"clock_drift_ppm": 1e6}),
+        (3 * steady() - 2 * S, steady(), {"clock_drift_ppm": 2e6}),
         (2 * steady(620) - S, steady(620), {"clock_drift_ppm": 1e6}),
         (2 * steady(480) - S, steady(480), {"clock_drift_ppm": None}),
         (np.array([S, 101 * S]), np.array([S, 101 * S]), {"clock_drift_ppm": None}),
