@@ -304,12 +304,9 @@ def is_stuck(foot: FootHistory, feet: Sequence[FootHistory]) -> bool:
 
     Where no force varies the robot stands still, in a simulator without noise.
     """
-    return foot.is_constant and any(not each.is_constant and _varies(each) for each in feet)
-
-
-def _varies(foot: FootHistory) -> bool:
-    track = foot.track
-    return varies(track.force[timespans.covers(foot.in_contact, track.time)])
+    return foot.is_constant and any(
+        not each.is_constant and varies(each.track.force[each.down]) for each in feet
+    )
 
 
 CELL_RATE_HZ: Final = 25.0

@@ -256,6 +256,8 @@ def without_frozen(base: BaseHistory, spans: Ints) -> BaseHistory:
 FEWEST_STRIDES: Final = 2
 SHORTEST_PATH_M: Final = 0.2
 """m in all that a witness must tell, for a way to be compared."""
+SHORTEST_STEP: Final = 0.1
+"""Share of a leg that legs go in a stride, at least, if they are to judge poses."""
 COHERENT: Final = 0.7
 """Coherence |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2) from which a way is another one turned."""
 SWINGS: Final = 0.3
@@ -326,6 +328,8 @@ class Comparison(NamedTuple):
     reference: Motion
     tells_heading: bool
     """Whether the witness tells directions."""
+    leg_m: float
+    """As the witness has it."""
 
     @property
     def strides(self) -> int:
@@ -345,9 +349,15 @@ class Comparison(NamedTuple):
         return self.goes_m > SHORTEST_PATH_M
 
     @property
+    def is_short(self) -> bool:
+        """Whether legs go so short a way a stride that feet may slip most of it."""
+        return self.goes_m <= SHORTEST_STEP * self.leg_m * self.strides
+
+    @property
     def tells_way(self) -> bool:
-        """Whether they do, and do not turn on the spot."""
-        return self.goes and self.goes_m > SWINGS * float(np.abs(self.reference.turn).sum())
+        """Whether they go far enough to be compared, and do not turn on the spot."""
+        turns = self.goes_m <= SWINGS * float(np.abs(self.reference.turn).sum())
+        return self.goes and not (self.is_short or turns)
 
     @property
     def scale(self) -> float:
@@ -383,8 +393,8 @@ def compare(
     both = np.isfinite(own.turn) & np.isfinite(reference.turn)
     if both.sum() < FEWEST_STRIDES:
         return None
-    tells_heading = witness.tells_heading
-    return Comparison(witness.by, own.pick(both), reference.pick(both), tells_heading)
+    motions = own.pick(both), reference.pick(both)
+    return Comparison(witness.by, *motions, witness.tells_heading, witness.leg_m)
 
 
 def by_twist(poses: BaseHistory) -> Witness | None:

@@ -20,7 +20,6 @@ from dogbot_logtool.core.base.leg_odometry import turns_and_up
 from dogbot_logtool.core.base.witness import (
     LEGS,
     POINTS,
-    SHORTEST_PATH_M,
     Comparison,
     Motion,
     by_twist,
@@ -147,9 +146,6 @@ SCALES: Final = (0.8, 1.25)
 """Ways by poses over those by a witness that are alike: feet roll and slip."""
 ASIDE_RAD: Final = np.radians(10.0)
 """A way that is less off its witness's is as good as mountings are."""
-SHORTEST_STEP: Final = 0.1
-"""Share of a leg that legs go in a stride, at least, if they are to judge poses: of shorter ways,
-feet may slip most."""
 LEVEL_RAD: Final = 0.03
 """Of a treadmill, on which a base goes neither up nor down; or a base without roll and pitch."""
 
@@ -210,10 +206,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     feet, twist = (
         compare(each, own, windows, forward_rad) for each in (walk.witness, by_twist(walk.poses))
     )
-    leg_m = walk.witness.leg_m if walk.witness is not None else 0.0
-    far_m = SHORTEST_STEP * leg_m * len(windows)
-    told = [each for each in (feet, twist) if each is not None and each.tells_way]
-    way = next((each for each in told if each.by != LEGS or each.goes_m > far_m), None)
+    way = next((each for each in (feet, twist) if each is not None and each.tells_way), None)
     yield from _scale(walk, own, way)
     if way is not None and abs(way.direction_rad) > ASIDE_RAD:
         degrees = abs(np.degrees(way.direction_rad))
@@ -224,7 +217,7 @@ def contradicted(walk: Walk) -> Iterator[Finding]:
     yield from _orientation(walk, own, feet, windows)
     yield from (planar := list(_planar(walk, feet, windows)))
     if not (planar or walk.settings.base_from_legs):
-        yield from _climb_in_stand(walk, own) if feet is None else _climb(walk, feet, leg_m)
+        yield from _climb_in_stand(walk, own) if feet is None else _climb(walk, feet)
 
 
 def feet_agree(walk: Walk) -> bool:
@@ -234,9 +227,7 @@ def feet_agree(walk: Walk) -> bool:
         return False
     own = motion_in(walk.poses, windows, forward_rad)
     feet = compare(walk.witness, own, windows, forward_rad)
-    if feet is None or feet.reference.walked_m <= SHORTEST_PATH_M:
-        return False
-    return SCALES[0] <= feet.scale <= SCALES[1]
+    return feet is not None and feet.goes and SCALES[0] <= feet.scale <= SCALES[1]
 
 
 STAYS_M: Final = 0.03
@@ -400,7 +391,7 @@ does not do it itself."""
 FEWEST_STRIDES: Final = 4
 
 
-def _climb(walk: Walk, feet: Comparison, leg_m: float) -> Iterator[Finding]:
+def _climb(walk: Walk, feet: Comparison) -> Iterator[Finding]:
     """Yield that z of the poses goes away from where the feet lift the base."""
     rise = np.cumsum(feet.own.rise - feet.reference.rise)
     metres, height = float(rise[-1]), walk.base and walk.base.height_m
@@ -408,9 +399,8 @@ def _climb(walk: Walk, feet: Comparison, leg_m: float) -> Iterator[Finding]:
     tall = height.median if height else walk.worlds.spread_m if walk.worlds else np.inf
     words: Words = {"metres": metres, "told": feet}
     if feet.by == LEGS:
-        goes_alike = SCALES[0] <= feet.scale <= SCALES[1]
-        goes_alike |= feet.goes_m <= SHORTEST_STEP * leg_m * feet.strides
-        sinks_m = leg_m * (SINKS_UNSEEN if walk.settings.contact_from else SINKS)
+        goes_alike = feet.is_short or SCALES[0] <= feet.scale <= SCALES[1]
+        sinks_m = feet.leg_m * (SINKS_UNSEEN if walk.settings.contact_from else SINKS)
         most = max(MOST_RISE_M, MOST_RISE * feet.reference.walked_m, sinks_m * feet.strides)
         if goes_alike and abs(metres) > most:
             yield found("WORLDS_DIFFER", "drifts", "legs", where="base.climb_m", **words)
