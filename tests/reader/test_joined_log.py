@@ -65,13 +65,10 @@ OUT_OF_ORDER: Final = (late_by_chance, from_both_ends)
 
 def write(folder: Path, ros: int, parts: list[Entries]) -> list[Path]:
     """Write each part into a file with many small chunks."""
-    walk = walks.Walk(ros)
-    paths = [folder / f"part_{number}{('.bag', '.mcap')[ros - 1]}" for number in range(len(parts))]
-    for path, entries in zip(paths, parts, strict=True):
-        if ros == 1:
-            walks.write_bag(path, walk, list(entries))
-        else:
-            walks.write_mcap(path, walk, list(entries), chunk_size=20_000)
+    paths = []
+    for number, entries in enumerate(parts):
+        (folder / f"part_{number}").mkdir(exist_ok=True)
+        paths.append(walks.write_log(folder / f"part_{number}", walks.Walk(ros), entries, 20_000))
     return paths
 
 

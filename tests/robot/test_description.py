@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from mcap.writer import Writer as McapWriter
 from mcap_ros1.decoder import DecoderFactory
 
 import dogbot_logtool as dl
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot.description import own_description, read_urdf
+from tests.oracles.mcap_channels import SentChannel, write_channels
 from tests.paths import SAMPLE_LOGS
 
 TROT = SAMPLE_LOGS / "dogbot_trot.bag"
@@ -50,12 +50,7 @@ def test_what_is_no_urdf_is_refused(content: bytes, why: str, tmp_path: Path) ->
 
 
 def test_a_description_that_cannot_be_decoded_is_none(tmp_path: Path) -> None:
-    with (tmp_path / "log.mcap").open("wb") as stream:
-        writer = McapWriter(stream)
-        writer.start()
-        schema = writer.register_schema("std_msgs/String", "jsonschema", b"{}")
-        channel = writer.register_channel("/robot_description", "json", schema)
-        writer.add_message(channel, 1, b'{"data": "<robot/>"}', 1)
-        writer.finish()
-    with closing(open_log(tmp_path / "log.mcap")) as log:
+    message = 1, b'{"data": "<robot/>"}'
+    sent = SentChannel("/robot_description", "std_msgs/String", "json", messages=[message])
+    with closing(open_log(write_channels(tmp_path / "log.mcap", [sent]))) as log:
         assert own_description(log) is None

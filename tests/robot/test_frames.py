@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
-from mcap.writer import Writer as McapWriter
 from mcap_protobuf.schema import build_file_descriptor_set
 from rosbags.highlevel import AnyReader
 
 import dogbot_logtool as dl
 from dogbot_logtool.results import LogInfo
 from dogbot_logtool.robot.frames import MOST_EDGES, Frames
+from tests.oracles.mcap_channels import SentChannel, write_channels
 from tests.paths import SAMPLE_LOGS
 
 LOGS = [SAMPLE_LOGS / f"dogbot_{name}" for name in ("trot.bag", "walk.mcap", "troubled.bag")]
@@ -23,6 +23,7 @@ REAL = Path(CORPUS or "absent") / "MichaelGrupp+evo" / "test" / "data"
 REAL_LOGS = [REAL / "nav2_turtlebot.mcap", REAL / "tf_example.bag", REAL / "tf_example"]
 real = pytest.mark.skipif(not CORPUS, reason="LOGTOOL_CORPUS names no folder of real logs")
 SECOND = 1_000_000_000
+KIND = "foxglove.FrameTransforms"
 
 
 LastMessage = dict[tuple[str, str], list[tuple[int, int, bool]]]
@@ -82,24 +83,21 @@ def foxglove_log(path: Path, topics: dict[str, list[Sent]]) -> Path:
 
     Log times are the transforms' own, but none of a pair is before the one in front of it.
     """
-    with path.open("wb") as stream:
-        writer = McapWriter(stream)
-        writer.start()
-        data = build_file_descriptor_set(FrameTransforms).SerializeToString()
-        schema = writer.register_schema("foxglove.FrameTransforms", "protobuf", data)
-        for topic, sent in topics.items():
-            channel = writer.register_channel(topic, "protobuf", schema)
-            logged: dict[tuple[str, str], int] = {}
-            for milliseconds, parent, child in sent:
-                message = FrameTransforms()
-                one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
-                one.timestamp.FromMilliseconds(milliseconds)
-                one.rotation.w = 1.0
-                time = max(milliseconds * 1_000_000, logged.get((parent, child), 0))
-                logged[parent, child] = time
-                writer.add_message(channel, time, message.SerializeToString(), time)
-        writer.finish()
-    return path
+    definition = build_file_descriptor_set(FrameTransforms).SerializeToString()
+    channels = []
+    for topic, sent in topics.items():
+        messages = []
+        logged: dict[tuple[str, str], int] = {}
+        for milliseconds, parent, child in sent:
+            message = FrameTransforms()
+            one = message.transforms.add(parent_frame_id=parent, child_frame_id=child)
+            one.timestamp.FromMilliseconds(milliseconds)
+            one.rotation.w = 1.0
+            time = max(milliseconds * 1_000_000, logged.get((parent, child), 0))
+            logged[parent, child] = time
+            messages.append((time, message.SerializeToString()))
+        channels.append(SentChannel(topic, KIND, "protobuf", "protobuf", definition, messages))
+    return write_channels(path, channels)
 
 
 def codes(info: LogInfo) -> set[str]:
@@ -135,21 +133,17 @@ def test_findings(topics: dict[str, list[Sent]], wanted: set[str], tmp_path: Pat
 
 
 def test_messages_that_are_no_transforms_are_damage(tmp_path: Path) -> None:
-    path = tmp_path / "log.mcap"
     one = FrameTransform(parent_frame_id="a", child_frame_id="b")
     whole = FrameTransforms(transforms=[one]).SerializeToString()
     one.timestamp.seconds = -(1 << 62)
     ages = FrameTransforms(transforms=[one]).SerializeToString()
-    with path.open("wb") as stream:
-        writer = McapWriter(stream)
-        writer.start()
-        schema = writer.register_schema("foxglove.FrameTransforms", "protobuf", b"")
-        for topic, encoding in (("/tf", "protobuf"), ("/tf_cbor", "cbor")):
-            channel = writer.register_channel(topic, encoding, schema)
-            for payload in (b"\xff\xff\xff", whole, whole[:-1], ages, b"\n\0" * (1 << 20)):
-                writer.add_message(channel, SECOND, payload, 0)
-        writer.finish()
-    info, frames = survey(path)
+    payloads = (b"\xff\xff\xff", whole, whole[:-1], ages, b"\n\0" * (1 << 20))
+    messages = [(SECOND, payload) for payload in payloads]
+    channels = [
+        SentChannel(topic, KIND, encoding, "protobuf", b"", messages)
+        for topic, encoding in (("/tf", "protobuf"), ("/tf_cbor", "cbor"))
+    ]
+    info, frames = survey(write_channels(tmp_path / "log.mcap", channels))
     assert [edge.transforms for edge in frames.edges] == [2]
     assert [loss.messages for loss in info.damage.losses] == [3]
     assert info.damage.exit_code == 3

@@ -8,8 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
-from foxglove_schemas_protobuf.JointStates_pb2 import JointStates as Message
-from mcap.writer import Writer
+from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from rosbags.typesys import get_types_from_msg
 
 import dogbot_logtool as dl
@@ -18,6 +17,7 @@ from dogbot_logtool.reader.messages.others import read_joints
 from dogbot_logtool.reader.messages.source import source_of
 from dogbot_logtool.reader.opening import open_log
 from tests.oracles import walks
+from tests.oracles.mcap_channels import SentChannel, write_channels
 
 NAMES: Final = tuple(
     f"{leg}_{joint}_joint" for leg in ("FR", "FL", "RR", "RL") for joint in ("hip", "thigh", "calf")
@@ -28,7 +28,7 @@ MOTORS: Final = {
     "unitree_legged_msgs/msg/LowState": ("motorState", "tauEst"),
 }
 FORCES: Final = dict(zip(MOTORS, ("foot_force", "footForce"), strict=True))
-ROS, FOXGLOVE = "sensor_msgs/msg/JointState", "foxglove.JointStates"
+ROS: Final = "sensor_msgs/msg/JointState"
 
 
 def value(sample: int, joint: int, kind: int) -> float:
@@ -86,33 +86,27 @@ def store(kind: str, ros_version: int) -> walks.Walk:
 
 def foxglove(sample: int, encoding: str) -> bytes:
     """A message in which the last joint has no effort."""
-    seconds, nanoseconds = divmod(walks.START + sample * walks.STEP, 1_000_000_000)
+    time = divmod(walks.START + sample * walks.STEP, 1_000_000_000)
     joints = [
         {"name": name, "position": value(sample, joint, 0), "velocity": value(sample, joint, 1)}
         | ({} if joint == 11 else {"effort": value(sample, joint, 2)})
         for joint, name in enumerate(NAMES)
     ]
+    parts = ("sec", "nsec") if encoding == "json" else ("seconds", "nanos")
+    fields: Any = {"timestamp": dict(zip(parts, time, strict=True)), "joints": joints}
     if encoding == "json":
-        stamp = {"sec": seconds, "nsec": nanoseconds}
-        return json.dumps({"timestamp": stamp, "joints": joints}).encode()
-    message: Any = Message()
-    message.timestamp.seconds, message.timestamp.nanos = seconds, nanoseconds
-    for joint in joints:
-        message.joints.add(**joint)
-    return bytes(message.SerializeToString())
+        return json.dumps(fields).encode()
+    return bytes(JointStates(**fields).SerializeToString())
 
 
 def read(path: Path) -> JointTable:
-    log = open_log(path)
-    try:
+    with closing(open_log(path)) as log:
         (channel,) = log.channels.values()
         source = source_of(channel, "joints")
         assert source
         assert not source.fault
         (span,) = log.spans()
         (states,) = read_joints(log.read(span), channel)
-    finally:
-        log.close()
     return states
 
 
@@ -138,9 +132,7 @@ def write(folder: Path, kind: str, ros_version: int, damaged: int = -1) -> Path:
         time = walks.START + sample * walks.STEP
         data = data[: 50 if sample == damaged else None]
         entries.append(walks.Entry("/joints", kind, time, data))
-    path = folder / ("log.bag" if ros_version == 1 else "log.mcap")
-    (walks.write_bag if ros_version == 1 else walks.write_mcap)(path, walk, entries)
-    return path
+    return walks.write_log(folder, walk, entries)
 
 
 @pytest.mark.parametrize(("kind", "ros_version"), [(ROS, 1), *((kind, 2) for kind in MOTORS)])
@@ -155,27 +147,26 @@ def test_a_message_that_tells_of_joints_and_feet_is_lost_once(tmp_path: Path) ->
     assert text == "lost 1 message: 1 messages of /joints could not be decoded"
 
 
-def test_joints_without_names_are_numbered(tmp_path: Path) -> None:
+def without_names(folder: Path, definition: str = "") -> Path:
+    """Write a message of two joints; its definition may be another one."""
     walk = walks.Walk(1)
+    if definition:
+        walk.store.fielddefs.pop(ROS)
+        walk.store.register(get_types_from_msg(definition, ROS))
     message = walk.make(ROS, header=walk.header(0, ""), position=np.array([0.5, 0.25]))
     entry = walks.Entry("/joints", ROS, walks.START, walk.bytes_of(ROS, message))
-    walks.write_bag(tmp_path / "log.bag", walk, [entry])
-    states = read(tmp_path / "log.bag")
-    assert (states.names, states.samples.position.tolist()) == (
-        ("joint_0", "joint_1"),
-        [[0.5, 0.25]],
-    )
+    return walks.write_log(folder, walk, [entry])
+
+
+def test_joints_without_names_are_numbered(tmp_path: Path) -> None:
+    states = read(without_names(tmp_path))
+    assert states.names == ("joint_0", "joint_1")
+    assert states.samples.position.tolist() == [[0.5, 0.25]]
 
 
 def test_joints_in_a_fixed_array_are_not_read(tmp_path: Path) -> None:
-    walk = walks.Walk(1)
-    walk.store.fielddefs.pop(ROS)
     text = "std_msgs/Header header\nstring[] name\nfloat64[2] position\nfloat64[] velocity\n"
-    walk.store.register(get_types_from_msg(f"{text}float64[] effort", ROS))
-    message = walk.make(ROS, header=walk.header(0, ""), position=np.array([0.5, 0.25]))
-    entry = walks.Entry("/joints", ROS, walks.START, walk.bytes_of(ROS, message))
-    walks.write_bag(tmp_path / "log.bag", walk, [entry])
-    with closing(open_log(tmp_path / "log.bag")) as log:
+    with closing(open_log(without_names(tmp_path, f"{text}float64[] effort"))) as log:
         (channel,) = log.channels.values()
         source = source_of(channel, "joints")
     assert source
@@ -184,15 +175,10 @@ def test_joints_in_a_fixed_array_are_not_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("encoding", ["protobuf", "json"])
 def test_foxglove_messages(tmp_path: Path, encoding: str) -> None:
-    with (tmp_path / "log.mcap").open("wb") as stream:
-        writer = Writer(stream)
-        writer.start()
-        schema = writer.register_schema(FOXGLOVE, encoding, b"{}")
-        channel = writer.register_channel("/joints", encoding, schema)
-        for sample in range(SAMPLES):
-            time = walks.START + sample * walks.STEP
-            writer.add_message(channel, time, foxglove(sample, encoding), time)
-        writer.finish()
-    states = read(tmp_path / "log.mcap")
+    messages = [
+        (walks.START + sample * walks.STEP, foxglove(sample, encoding)) for sample in range(SAMPLES)
+    ]
+    sent = SentChannel("/joints", "foxglove.JointStates", encoding, encoding, messages=messages)
+    states = read(write_channels(tmp_path / "log.mcap", [sent]))
     check(states, unknown_efforts=True)
     assert states.samples.stamp.tolist() == states.samples.log_time.tolist()

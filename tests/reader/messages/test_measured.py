@@ -1,6 +1,6 @@
 """The synthetic walk in every type of contact message: what is measured and said of it."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,12 +31,6 @@ FORCE_FIGURES = (
     "vertical_impulse_ns",
     "loading_rate_nps",
 )
-
-
-def written(folder: Path, walk: walks.Walk, entries: Iterable[walks.Entry]) -> Path:
-    path = folder / "made.mcap"
-    walks.write_mcap(path, walk, list(entries))
-    return path
 
 
 def figures(path: Path, options: MeasureOptions) -> dict[str, Any]:
@@ -91,7 +85,7 @@ def test_counts_of_a_robot_that_stands_tell_nothing(tmp_path: Path) -> None:
         message = walk.make(kind, foot_force=values, tick=sample)
         time = walks.START + sample * walks.STEP
         entries.append(walks.Entry("/feet", kind, time, walk.bytes_of(kind, message)))
-    found = figures(written(tmp_path, walk, entries), MeasureOptions(robot="generic"))
+    found = figures(walks.write_log(tmp_path, walk, entries), MeasureOptions(robot="generic"))
     for foot in found["feet"].values():
         assert (foot["contact_fraction"], foot["touchdown_s"]) == (None, None)
     assert "without contact.on_counts no contact either" in said(found)["NO_FORCE"]
@@ -138,7 +132,7 @@ class Rounded(StateWalk):
 def test_counts_of_two_levels_tell_contact(tmp_path: Path) -> None:
     """The narrower level is that of stance here, but a load never lowers a count."""
     walk = Rounded(2)
-    path = written(tmp_path, walk, walk.messages("go2_interfaces/msg/Go2State"))
+    path = walks.write_log(tmp_path, walk, walk.messages("go2_interfaces/msg/Go2State"))
     check_touchdowns(figures(path, MeasureOptions()))
 
 
@@ -173,7 +167,7 @@ def test_flags_decide_unless_they_are_never_set_or_inverted(
     tmp_path: Path, maker: type[StateWalk], shift_s: float
 ) -> None:
     walk = maker(2)
-    path = written(tmp_path, walk, walk.messages(XPP))
+    path = walks.write_log(tmp_path, walk, walk.messages(XPP))
     found = figures(path, MeasureOptions(mass=walks.MASS_KG))
     assert "FLAGS_CONTRADICTED" in said(found)
     check_touchdowns(found, shift_s)
@@ -217,6 +211,6 @@ class Humanoid(StateWalk):
 def test_types_that_do_not_tell_of_feet(tmp_path: Path, walk: StateWalk, kind: str) -> None:
     if kind not in walk.store.fielddefs:
         walk.store.register(get_types_from_msg("uint32 tick\nfloat32[3] position", kind))
-    found = describe(written(tmp_path, walk, walk.messages(kind)), InfoOptions())
+    found = describe(walks.write_log(tmp_path, walk, walk.messages(kind)), InfoOptions())
     assert {topic.topic: topic.use for topic in found.topics}["/feet"] == ""
     assert "NO_FEET" in {finding.code for finding in found.findings}

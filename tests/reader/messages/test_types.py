@@ -46,9 +46,7 @@ def write(folder: Path, kind: str, ros: int) -> Path:
         walks.Entry("/joint_foot" if e.kind == JOINT_FOOT else e.topic, e.kind, e.log_time, e.data)
         for e in walk.messages(kind)
     ]
-    path = folder / ("walk.mcap" if ros == 2 else "walk.bag")
-    (walks.write_mcap if ros == 2 else walks.write_bag)(path, walk, entries)
-    return path
+    return walks.write_log(folder, walk, entries)
 
 
 def read(folder: Path, kind: str, ros: int, robot: str = "generic") -> tuple[Selection, list[Any]]:
