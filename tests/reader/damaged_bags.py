@@ -26,6 +26,8 @@ def bags_with_a_wrong_index() -> Iterator[Case]:
     yield Case("connection in the index", bag, put(data, place, U32.pack(9)), "index is damaged")
     cut = put(data[: data.rindex(b"ver=") - 16], 13, bag_header(bag.index_place, 2, 2))
     yield Case("unnamed chunk", bag, cut, "index is damaged")
+    what, lost = "its header counts 2 more chunks", tuple(range(4, 12))
+    yield Case("cut between chunks", bag, data[:start], what, lost, number=None)
     what = f"the index of the chunk at byte {start} is wrong"
     wrong = put(data, bag.chunk_ends[1] + 55 + 8, U32.pack(3))  # the first entry's offset
     yield Case("offset in an index", bag, wrong, what, whole=(True, False, True))

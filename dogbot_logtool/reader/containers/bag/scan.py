@@ -55,6 +55,8 @@ class BagLog(RecordLog):
     def __init__(self, source: ByteSource) -> None:
         super().__init__(source, _connection)
         self._format = BagFormat()
+        self._chunks_missing = 0
+        """Chunks that the header of a closed bag counts, less those met."""
 
     def use_index(self) -> None:
         """See `RecordLog.use_index`."""
@@ -87,9 +89,14 @@ class BagLog(RecordLog):
     def _conclude(self) -> None:
         stated = sum(sum(each["counts"].values()) for each in self._stated.values())
         found, known_lost = sum(self.counts.values()), lost_messages(self._losses)
-        if known_lost is not None and stated > found + known_lost:
+        if known_lost is None:
+            return
+        if stated > found + known_lost:
             what = f"the bag's index counts {stated} messages, but {found} were found"
             self._losses.append(Loss(0, what, 0, None))
+        elif not self._stated and self._chunks_missing > 0:
+            what = f"the file was cut off: its header counts {self._chunks_missing} more chunks"
+            self._losses.append(Loss(self.source.size, what, 0, None))
 
     def _take_info(self, record: Record) -> None:
         """Take what an index record says of a chunk.
@@ -151,6 +158,8 @@ class BagLog(RecordLog):
                 self._outside.append((offset, record.end))
             elif op == BagOp.CHUNK_INFO:
                 self._take_info(record)
+            elif op == BagOp.BAG_HEADER and "chunk_count" in record.fields:
+                self._chunks_missing += record.number("chunk_count")
         except MalformedRecord:
             if self.source.read(offset, len(BAG_MAGIC)) == BAG_MAGIC:
                 return self._end(offset)
@@ -159,6 +168,7 @@ class BagLog(RecordLog):
 
     def _chunk_record(self, offset: int, record: Record) -> int | None:
         chunk = _chunk(offset, record)
+        self._chunks_missing -= 1
         if chunk.is_compressed:
             return self._take_chunk(chunk, chunk.end)
         stated = record.number("size")
