@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 import dogbot_logtool as dl
-from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.selection import Selection, select_topics
@@ -17,7 +16,6 @@ from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 LEGS = ("front_left", "front_right", "back_left", "back_right")
 DOGBOT = {f"/dogbot/{leg}_contactsensor_state": CONTACTS for leg in LEGS}
 SPARE = {f"/spare/{number}": CONTACTS for number in range(4)}
-FRONT_RIGHT = "/dogbot/front_right_contactsensor_state"
 SENSORS = {
     f"/{side} {at}/wrench": WRENCH for side in ("left", "right") for at in ("toe y", "toe x")
 }
@@ -42,30 +40,6 @@ def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
     assert any("none of the topics of the robot 'anymal'" in each.text for each in found.findings)
     named = selected(path, RobotOptions(robot="anymal", odom_topic="/x"), **SPARE)
     assert "ROBOT_GUESSED" not in {each.code for each in named.findings}
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (RobotOptions(odom_topic="dogbot/odom"), "did you mean /dogbot/odom?"),
-        (RobotOptions(foot={"back_left": "/dogbot/back_left"}), "did you mean /dogbot/"),
-        (RobotOptions(odom_topic="/spare/0"), "is of type gazebo_msgs/ContactsState"),
-        (RobotOptions(foot={"a": "/x"}), "is of type nav_msgs/Odometry"),
-        (RobotOptions(foot={"nose": "/spare/0"}), "has no such foot; it has front_left"),
-        (RobotOptions(robot="dogbot", foot={"nose": "/spare/0"}), "has no such foot"),
-        (
-            RobotOptions(robot="generic", foot={"a": "/spare/0", "b": "/spare/0"}),
-            "would be that of a, b, and is about one foot",
-        ),
-        (
-            RobotOptions(foot={"front_left": FRONT_RIGHT}),
-            "would be that of front_left, front_right",
-        ),
-    ],
-)
-def test_options_that_do_not_fit(path: Path, options: RobotOptions, said: str) -> None:
-    with pytest.raises(CallError, match=said):
-        selected(path, options)
 
 
 # What is offered in a terminal
