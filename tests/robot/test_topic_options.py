@@ -49,28 +49,25 @@ def run(*words: object) -> Ended:
     return forked_cli.run(*words, environment={"COLUMNS": "80"})
 
 
-def test_the_offered_command_can_be_typed(tmp_path: Path) -> None:
-    (tmp_path / "a folder").mkdir()
-    sensors = write_log(
-        tmp_path / "a folder" / "it's.mcap", SENSORS, odometry=["/odom"], samples=400
-    )
-    told = run("stats", sensors)
-    assert "Gait: not measured (no topic of feet)" in told.stdout
-    figures = json.loads(run(*command(told.stdout), "--json", "-v").stdout)
+@pytest.mark.parametrize("name", ["stats", "convert", "layout", "report", "stats --figure x.svg"])
+def test_the_errors_offer_feet_by_a_command_that_can_be_typed(tmp_path: Path, name: str) -> None:
+    log = write_log(tmp_path / "it's a walk.mcap", SENSORS, samples=400)
+    first, *words = name.split()
+    done = run(first, log, *(tmp_path / word if "." in word else word for word in words))
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("error: ")
+    assert sorted(tmp_path.iterdir()) == [log]
+    offered = command(done.stderr)
+    assert offered[:2] == ["stats", str(log)]
+    figures = json.loads(run(*offered, "--json", "-v").stdout)
     feet = {name: foot["topic"] for name, foot in figures["settings"]["feet"].items()}
     assert feet == {side: f"/{side} toe x/wrench" for side in ("left", "right")}
     assert all(foot["touchdown_s"] for foot in figures["feet"].values())
 
 
-@pytest.mark.parametrize("name", ["stats", "convert", "layout", "report", "stats --figure x.svg"])
-def test_the_errors_offer_feet(tmp_path: Path, name: str) -> None:
-    log = write_log(tmp_path / "walk.mcap", SENSORS)
-    first, *words = name.split()
-    done = run(first, log, *(tmp_path / word if "." in word else word for word in words))
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.startswith("error: ")
-    assert command(done.stderr)[:2] == ["stats", str(log)]
-    assert sorted(tmp_path.iterdir()) == [log]
+def test_a_gait_without_feet_is_not_measured(tmp_path: Path) -> None:
+    log = write_log(tmp_path / "log.mcap", {}, odometry=["/odom"])
+    assert "Gait: not measured (no topic of feet)" in run("stats", log).stdout
 
 
 # Some of the feet only
