@@ -85,7 +85,7 @@ def gait_changes() -> Iterator[Case]:
     for name, walks, codes, skip in (
         ("a stand, then a trot", (scenes.standing(), TROT), ("stand>trot",), "class, strides"),
         ("a trot, then a quicker one", (TROT, quick), ("trot>trot",),
-         "stride period, stance, braking, stride length"),
+         "stride period, stance, braking, stride length, loading, impact"),
         ("a trot, then a walk, then a trot", (TROT, slow, TROT), ("trot>walk", "walk>trot"),
          "duty factor, peak force, size, margin, stride length"),
     ):
