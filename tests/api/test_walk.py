@@ -1,17 +1,16 @@
 """Tables of a walk, against messages decoded one by one, and as other libraries take them."""
 
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import polars as pl
 import pyarrow as pa
 import pytest
 
 import dogbot_logtool as dl
-from dogbot_logtool.api import table
 from dogbot_logtool.api.table import Table
 from dogbot_logtool.errors import LogtoolError
 from tests.measured import walk_of
@@ -117,53 +116,31 @@ def test_curves_pass_through_what_was_recorded(walk: dl.Walk) -> None:
 # --- Tables ---------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def small() -> Table:
-    return Table(
-        {
-            "foot": np.array(["left", None], np.object_),
-            "force_n": np.array([1.5, np.nan]),
-            "in_contact": np.array([True, False]),
-        }
-    )
+SMALL = Table(
+    {
+        "foot": np.array(["left", None], np.object_),
+        "force_n": np.array([1.5, np.nan]),
+        "in_contact": np.array([True, False]),
+    }
+)
 
 
-def test_columns_by_name(small: Table) -> None:
-    assert len(small) == 2
-    assert list(small) == ["foot", "force_n", "in_contact"]
-    assert small["in_contact"].tolist() == [True, False]
-    assert repr(small) == "<Table of 2 rows: foot, force_n, in_contact>"
-    assert len(Table({})) == 0
-
-
-def test_a_wrong_column_lists_those_that_exist(small: Table) -> None:
-    with pytest.raises(KeyError, match="the columns are foot, force_n, in_contact"):
-        small["forces"]
-
-
-def test_pandas_gets_columns_of_its_own(small: Table) -> None:
-    frame = small.to_pandas()
-    assert isinstance(frame, pd.DataFrame)
+def test_other_libraries_take_a_table_with_null_for_what_is_not_known() -> None:
+    frame = SMALL.to_pandas()
     assert frame["in_contact"].tolist() == [True, False]
-    frame.loc[0, "force_n"] = 2.0
-    assert small["force_n"][0] == 1.5
-
-
-def test_arrow_has_null_for_what_is_not_known(small: Table) -> None:
-    arrow = small.to_arrow()
+    frame.loc[0, "force_n"] = 2.0  # a column of its own
+    arrow = SMALL.to_arrow()
     assert arrow["force_n"].to_pylist() == [1.5, None]
     assert arrow["foot"].to_pylist() == ["left", None]
+    assert pa.table(SMALL) == arrow
+    assert pl.DataFrame(SMALL)["force_n"].to_list() == [1.5, None]
 
 
-def test_what_takes_arrow_takes_a_table_as_it_is(small: Table) -> None:
-    assert pa.table(small) == small.to_arrow()
-    assert pl.DataFrame(small)["force_n"].to_list() == [1.5, None]
-
-
-def test_a_missing_package_is_named(small: Table, monkeypatch: pytest.MonkeyPatch) -> None:
-    def missing(name: str) -> None:
-        raise ImportError(name)
-
-    monkeypatch.setattr(table, "import_module", missing)
+def test_a_wrong_column_or_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert repr(SMALL) == "<Table of 2 rows: foot, force_n, in_contact>"
+    assert len(Table({})) == 0
+    with pytest.raises(KeyError, match="the columns are foot, force_n, in_contact"):
+        SMALL["forces"]
+    monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(LogtoolError, match="pip install pandas"):
-        small.to_pandas()
+        SMALL.to_pandas()

@@ -30,7 +30,14 @@ convert TROT --end inf | --end inf: must be a number of seconds
 convert TROT --foot front_left | --foot front_left: must be NAME=TOPIC[:FIELD]
 convert TROT --foot 'front left=/x' | a foot's name has letters, digits and _ only
 convert TROT --foot a=/x --foot a=/y | --foot a: is given twice
-convert TROT --foot front_left=/dogbot/odom | /dogbot/odom
+convert TROT --foot front_left=/dogbot/odom | is of type nav_msgs/Odometry
+convert TROT --foot back_left=/dogbot/back_left | did you mean /dogbot/
+convert TROT --foot nose=CONTACTS | has no such foot; it has front_left
+convert TROT --robot dogbot --foot nose=CONTACTS | has no such foot
+convert TROT --robot generic --foot a=CONTACTS --foot b=CONTACTS | would be that of a, b, and is
+convert TROT --foot front_left=CONTACTS | would be that of front_left, front_right
+convert TROT --odom-topic dogbot/odom | did you mean /dogbot/odom?
+convert TROT --odom-topic CONTACTS | is of type gazebo_msgs/ContactsState
 convert TROT --robot unicorn | no robot is called 'unicorn'
 convert TROT --robot unicorn.toml | unicorn.toml: no such file
 convert TROT --no-copy --topics /x | --no-copy copies nothing
@@ -41,7 +48,15 @@ convert no_such.bag | no_such.bag: no such file
 convert . | is a directory, not a log file, and holds no logs
 stats 'runs/*.bag' | runs/*.bag: no file has such a name
 stats '' | an empty name names no log
+stats @absent.txt | absent.txt: no such file
 stats TROT --start 5 --end 2 | --start 5 --end 2: the log has no messages there; it lasts from 0 to
+convert TROT --start 2 --end 2 | --start 2 --end 2: the log has no messages there
+report TROT --start 100 | --start 100: the log has no messages there
+stats TROT --start -1 | --start -1: the log has no messages there
+convert TROT --start -2 --end -1 | --start -2 --end -1: the log has no messages there
+report TROT --end -1 | --end -1: the log has no messages there
+stats TROT --end 0 | --end 0: the log has no messages there
+convert TROUBLED --start 1.000000001 --end 1.000000002 | the log has no messages there
 stats TROT --set contact_on=20 | did you mean contact_on_n
 stats TROT --set contact_on_n | --set contact_on_n: must be FIELD=VALUE
 stats TROT --set command_topic=/none | command_topic: the log has no topic /none
@@ -60,6 +75,7 @@ export TROT --dataset walks --table base | --table goes without --dataset
 export TROT --dataset walks --label firmware | must be NAME=VALUE
 export TROT --dataset walks --label a=1 --label a=2 | a is there twice
 compare TROT | Missing argument 'ACTUAL'
+compare TROT . | .: is a directory, not a log file, and holds no ROS 2 bag
 compare TROT WALK --mass 20 | --mass says how logs are measured: it goes with --gait
 compare TROT WALK --junit TROUBLED | exists already; --overwrite replaces it
 compare TROT WALK --junit WALK --overwrite | is the input itself
@@ -73,11 +89,18 @@ info -o tree.gv TROT | -o is gone: results go to stdout
 convert TROT -o - | -: does not stand for stdout here
 layout -o '' | an empty name names no output
 """
-LOGS = {"TROT": str(TROT), "TROUBLED": str(TROUBLED), "WALK": str(WALK)}
+NAMES = {
+    "TROT": str(TROT),
+    "TROUBLED": str(TROUBLED),
+    "WALK": str(WALK),
+    "CONTACTS": "/dogbot/front_right_contactsensor_state",
+}
 
 
 def words_of(call: str) -> list[str]:
-    return [LOGS.get(word, word) for word in shlex.split(call)]
+    """Return the words of a call, in which names may stand for others, also behind a foot's."""
+    words = (word.rpartition("=") for word in shlex.split(call))
+    return [f"{foot}{sign}{NAMES.get(name, name)}" for foot, sign, name in words]
 
 
 @pytest.mark.parametrize("line", WRONG.strip().splitlines(), ids=lambda line: line.split("|")[0])
@@ -96,6 +119,7 @@ info SHORT --json | "container": "ROS 1 bag"
 info --frames SHORT | added by convert
 stats SHORT | Gait: trot
 stats SHORT -v | no header stamps
+stats TROT WALK | dogbot_walk.mcap walk high
 check SHORT --suggest | [[rule]]
 export SHORT | log,foot,start_s
 layout | "configById"
@@ -112,7 +136,8 @@ def test_right_calls_print_on_stdout(shell: Shell, line: str) -> None:
     short = str(first_seconds(TROT, 5.0))
     done = shell(*(short if word == "SHORT" else word for word in words_of(call)))
     assert (done.code, shell.files()) == (0, [])
-    assert sentence.strip().replace("VERSION", __version__) in done.out
+    printed = done.out + " ".join(done.out.split())
+    assert sentence.strip().replace("VERSION", __version__) in printed
     assert "error" not in done.err
 
 

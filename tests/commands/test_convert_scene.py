@@ -148,6 +148,8 @@ def test_links_are_where_the_engine_has_them(
     given = None if is_own else file
     done = converted(log, encoding=encoding, urdf=given)
     assert "ROBOT_DESCRIPTION" in codes(done.conversion)
+    ((_, written),) = done.written.decoded("/robot_description")
+    assert written.data == file.read_text()
     frames = moved(done.written, encoding)
     assert len(frames.parents) == 16
     assert len(frames.times["FL_calf"]) == 175

@@ -142,6 +142,12 @@ def one_topic(kind: Kind, *payloads: bytes) -> Recording:
     return recording({"/a": kind}, *(("/a", time, data) for time, data in enumerate(payloads)))
 
 
+def json_log(*messages: tuple[int, str], topics: str = "/a") -> Recording:
+    """JSON messages by time, ms; the same on each topic."""
+    kinds = dict.fromkeys(topics.split(), JSON)
+    return recording(kinds, *((topic, t, data.encode()) for t, data in messages for topic in kinds))
+
+
 def compared(
     folder: Path, expected: Recording | Path | str, actual: Recording | Path | str, **options: Any
 ) -> Comparison:

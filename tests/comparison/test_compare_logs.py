@@ -10,7 +10,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
-from mcap.writer import CompressionType, IndexType, Writer
+from mcap.writer import CompressionType, IndexType
 
 import dogbot_logtool as dl
 from tests import forked_cli
@@ -23,6 +23,7 @@ from tests.comparison.recordings import (
     Recording,
     compared,
     counts,
+    json_log,
     lines,
     load,
     odometry,
@@ -30,6 +31,7 @@ from tests.comparison.recordings import (
     ros_kind,
     scene,
 )
+from tests.oracles.mcap_channels import SentChannel, write_channels
 
 
 def mixed(count: int = 50) -> Recording:
@@ -74,24 +76,17 @@ def test_neither_packing_nor_order_matters(tmp_path: Path, packing: dict[str, An
 
 
 def test_several_senders_of_a_topic_are_one_topic(tmp_path: Path) -> None:
-    def write(name: str, *encodings: str) -> Path:
-        path = tmp_path / name
-        with path.open("wb") as file:
-            writer = Writer(file)
-            writer.start("", "")
-            schema = writer.register_schema("Load", "jsonschema", b"{}")
-            channels = [
-                writer.register_channel("/a", each, schema, {"callerid": str(number)})
-                for number, each in enumerate(encodings)
-            ]
-            for time in range(10):
-                writer.add_message(channels[time % len(channels)], time, b"1", time)
-            writer.finish()
-        return path
+    def log(*encodings: str) -> Path:
+        channels = (
+            SentChannel(
+                "/a", "Load", each, messages=[(t, b"1") for t in range(10)[n :: len(encodings)]]
+            )
+            for n, each in enumerate(encodings)
+        )
+        return write_channels(tmp_path / "-".join(encodings), channels)
 
-    two, one = write("two", "json", "json"), write("one", "json")
-    assert compared(tmp_path, two, one).exit_code == 0
-    result = compared(tmp_path, one, write("other", "json", "cbor"))
+    assert compared(tmp_path, log("json", "json"), log("json")).exit_code == 0
+    result = compared(tmp_path, log("json"), log("json", "cbor"))
     assert lines(result) == ["/a encoding: expected json, got cbor, json"]
     assert counts(result) == (10, 10, 5, 0, 5, 0, 0)
 
@@ -146,17 +141,9 @@ def test_memory_does_not_grow_with_the_file(tmp_path: Path, *, indexed: bool) ->
 
 
 DOCUMENT = '{"gait": {"name": "trot"}}'
-TOPICS = ("/a", "/b", "/<&>\x1b[31m\x00")
 
 
 run = partial(forked_cli.run, "compare")
-
-
-def write_log(path: Path, *payloads: str, topics: tuple[str, ...] = ("/a",)) -> Path:
-    messages = (
-        (topic, time, each.encode()) for topic in topics for time, each in enumerate(payloads)
-    )
-    return recording(dict.fromkeys(topics, JSON), *messages).write(path)
 
 
 @pytest.fixture
@@ -167,30 +154,21 @@ def files(tmp_path: Path) -> tuple[Path, Path]:
 def test_files_that_do_not_go_together(files: tuple[Path, Path]) -> None:
     expected, actual = files
 
-    def refused(exit_code: int) -> str:
-        with pytest.raises(dl.LogtoolError) as error:
-            dl.compare(expected, actual)
-        assert error.value.exit_code == exit_code
-        return str(error.value)
-
-    assert refused(2) == f"{expected}: no such file"
-    write_log(expected, "1")
-    assert refused(2) == f"{actual}: no such file"
+    json_log((0, "1")).write(expected)
+    with pytest.raises(dl.CallError, match=f"^{actual}: no such file"):
+        dl.compare(expected, actual)
+    with pytest.raises(dl.CallError, match=f"^{actual}: no such file"):
+        dl.compare(actual, expected)
     actual.write_text(DOCUMENT)
-    assert refused(2) == f"{actual} is JSON, but {expected} is not: they cannot be compared"
-    actual.write_bytes(b"rubbish")
-    assert "is neither a ROS 1 bag" in refused(1)
-    actual.write_bytes(b"")
-    assert "is empty" in refused(1)
-    actual.unlink()
-    actual.mkdir()
-    assert refused(2) == f"{actual}: is a directory, not a log file, and holds no ROS 2 bag"
+    with pytest.raises(dl.CallError, match=f"{actual} is JSON, but {expected} is not: they cannot"):
+        dl.compare(expected, actual)
 
 
 @pytest.fixture
 def different(files: tuple[Path, Path]) -> tuple[object, ...]:
-    write_log(files[0], "1", '"x"', "3", topics=TOPICS)
-    write_log(files[1], "2", '"x\\u0000<"', topics=TOPICS[1:])
+    odd = "/b /<&>\x1b[31m\x00"
+    json_log((0, "1"), (1, '"x"'), (2, "3"), topics=f"/a {odd}").write(files[0])
+    json_log((0, "2"), (1, '"x\\u0000<"'), topics=odd).write(files[1])
     return (*files, "--max-differences", 3)
 
 

@@ -23,6 +23,7 @@ from tests.comparison.recordings import (
     Recording,
     compared,
     counts,
+    json_log,
     lines,
     odometry,
     one_topic,
@@ -55,12 +56,6 @@ def test_the_last_bit_among_many_is_found_and_tolerated_on_request(
         assert result.exit_code == 0
         assert counts(result) == (300, 300, 299, 1, 0, 0, 0)
         assert result.verdict.endswith("1 within tolerance")
-
-
-def json_log(*messages: tuple[int, str], topics: str = "/a") -> Recording:
-    """JSON messages by time, ms; the same on each topic."""
-    kinds = dict.fromkeys(topics.split(), JSON)
-    return recording(kinds, *((topic, t, data.encode()) for t, data in messages for topic in kinds))
 
 
 def ros(*messages: bytes) -> Recording:

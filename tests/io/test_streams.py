@@ -30,8 +30,6 @@ RESULTS = {
 }
 """Calls that print results, and their exit codes."""
 
-each_result = pytest.mark.parametrize(("words", "code"), RESULTS.values(), ids=RESULTS)
-
 
 def shell(folder: Path, command: str, **environment: str) -> tuple[int, str, str]:
     """Run a line of bash in which `logtool` is the command; return exit code, stdout and stderr."""
@@ -73,13 +71,6 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@each_result
-def test_a_reader_that_stops_early_changes_nothing(folder: Path, words: str, code: int) -> None:
-    with unwritable("unread") as pipe:
-        done = run(*words.split(), folder=folder, stdout=pipe)
-    assert done.returncode == code
-
-
 def test_a_difference_is_seen_through_a_pipe(folder: Path) -> None:
     """Much is printed, so that the reader has gone long before the end."""
     call = f"logtool compare {TROT} {TROUBLED} --max-differences 9999"
@@ -87,14 +78,16 @@ def test_a_difference_is_seen_through_a_pipe(folder: Path) -> None:
     assert shell(folder, line, PYTHONUNBUFFERED="1") == (1, "", "")
 
 
-@each_result
+@pytest.mark.parametrize(("words", "code"), RESULTS.values(), ids=RESULTS)
 def test_results_that_cannot_be_written_are_an_error(folder: Path, words: str, code: int) -> None:
-    assert code >= 0
-    for kind, why in (("closed", "it is closed"), ("full", "No space left on device")):
+    """But a reader that stops early changes nothing."""
+    for kind, why in (("unread", ""), ("closed", "it is closed"), ("full", "No space left on")):
         with unwritable(kind) as stream:
             done = run(*words.split(), folder=folder, stdout=stream)
-        assert done.returncode == 1
-        assert done.stderr.splitlines()[-1] == f"error: stdout cannot be written: {why}"
+        assert done.returncode == (1 if why else code)
+        if why:
+            last = done.stderr.splitlines()[-1]
+            assert last.startswith(f"error: stdout cannot be written: {why}")
 
 
 def test_completion_that_cannot_be_written_is_an_error(folder: Path) -> None:
@@ -142,10 +135,7 @@ def test_a_wrong_call_stays_one(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("encoding", "words"),
-    [
-        ("ascii", "export *-*.bag"),
-        ("latin-1", "info --frames *-*.bag"),
-    ],
+    [("ascii", "export *-*.bag"), ("latin-1", "info --frames *-*.bag")],
 )
 def test_any_encoding_will_do(folder: Path, encoding: str, words: str) -> None:
     name = os.fsdecode("\u81ea\u884c-é-\x9b1m-".encode() + b"\xff.bag")

@@ -307,11 +307,11 @@ def write_mcap(
     return path
 
 
-def write_log(folder: Path, walk: Walk, entries: Iterable[Entry], chunk_size: int = 0) -> Path:
-    """Write a bag of ROS 1, or an MCAP of ROS 2; without a size, chunks are as usual."""
+def write_log(folder: Path, walk: Walk, entries: Iterable[Entry]) -> Path:
+    """Write a bag of ROS 1, or an MCAP of ROS 2."""
     if walk.ros == 1:
-        return write_bag(folder / "walk.bag", walk, entries, chunk_size)
-    return write_mcap(folder / "walk.mcap", walk, entries, chunk_size or 1 << 20)
+        return write_bag(folder / "walk.bag", walk, entries)
+    return write_mcap(folder / "walk.mcap", walk, entries)
 
 
 def write_rosbag2(path: Path, walk: Walk, entries: Iterable[Entry], plugin: StoragePlugin) -> Path:

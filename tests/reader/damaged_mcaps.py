@@ -6,6 +6,7 @@ from typing import Final
 from tests.reader import mcap_bytes
 from tests.reader.cases import (
     ANY,
+    DESCRIBED,
     MCAP,
     RUBBISH,
     SECOND_CHUNK,
@@ -90,6 +91,18 @@ def mcaps_with_a_wrong_summary() -> Iterator[Case]:
     yield Case("attachment", *extra, "the summary is damaged or wrong")
 
 
+def mcaps_described_anew() -> Iterator[Case]:
+    """Yield files as libraries write them that keep the last description in the summary, or any."""
+    for described in (schema(1, data=b"string data\nbool more"), channel(1, "/o")):
+        for known in (DESCRIBED, DESCRIBED + described, described + DESCRIBED, None):
+            for where in ("described_later", "between"):
+                options = {where: {2: described}, "summary": known is not None}
+                case = built(small_mcap(), described_in_summary=known, **options)
+                is_in_chunk = where == "described_later" and known == DESCRIBED
+                whole = (True, True, False) if is_in_chunk else None
+                yield Case("described anew", *case, "1 is described in two ways", whole=whole)
+
+
 def mcaps_with_damaged_chunks(compression: str) -> Iterator[Case]:
     mcap, data = built(small_mcap(compression), data_crc=False)
     start, end = mcap.chunk_starts[1], mcap.chunk_ends[1]
@@ -162,8 +175,26 @@ def mcaps_without_chunks() -> Iterator[Case]:
     yield Case("channel", log, harmed, what, right, bytes=6 * 13)
 
 
+def mcaps_described_late() -> Iterator[Case]:
+    """Yield files of messages in front of their channel's description, if there is one."""
+    times = range(10**9, 10**9 + 20)
+    left, right = ([MCAP(n, t, b"x" * (t % 10)) for t in times[10 * n - 10 :][:10]] for n in (1, 2))
+    log = McapBytes([left, right], {1: "/left"}, chunked=False, summary=False, data_crc=False)
+    data = log.build()
+    log.topics = {1: "/left", 2: "/right"}
+    at = data.index(left[5].record())
+    data = data[:at] + record(0x80, b"\xff" * 30) + data[at:]  # an application's own record
+    end = data.index(right[-1].record()) + len(right[-1].record())
+    described = data[:end] + channel(2, "/right") + data[end:]
+    yield Case("described late", log, described, ANY, bytes=0)
+    what = "10 messages of channels that are nowhere described"
+    yield Case("never described", log, data, what, tuple(range(10, 20)))
+
+
 DAMAGED: Final = (
     *damaged_mcaps(),
+    *mcaps_described_anew(),
+    *mcaps_described_late(),
     *mcaps_with_a_wrong_summary(),
     *(case for each in mcap_bytes.CODECS for case in mcaps_with_damaged_chunks(each)),
     *(case for each in mcap_bytes.CODECS for case in mcaps_with_damaged_records(each)),

@@ -46,3 +46,12 @@ def root_page(path: Path, table: str) -> tuple[int, int]:
     (size,) = connection.execute("PRAGMA page_size").fetchone()
     connection.close()
     return root, size
+
+
+def contents(folder: Path) -> dict[str, bytes | None]:
+    """Return the files in a folder, and what those that are regular hold."""
+    files = [path for path in sorted(folder.rglob("*")) if not path.is_dir()]
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
+        for path in files
+    }

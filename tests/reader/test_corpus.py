@@ -16,7 +16,6 @@ from tests.reader.reading import read_file
 CORPUS = os.environ.get("LOGTOOL_CORPUS")
 pytestmark = pytest.mark.skipif(not CORPUS, reason="LOGTOOL_CORPUS names no folder of real logs")
 FOLDER = Path(CORPUS or "absent")
-FIXTURES = FOLDER / "Tiryoh+rosbag-analyzer-web" / "e2e" / "fixtures"
 
 
 def conformance_files() -> list[Path]:
@@ -89,20 +88,6 @@ def test_every_other_file_opens_or_gives_a_sentence(path: Path) -> None:
     lost = [loss for loss in reading.losses if "has no index" not in loss.what]
     if "truncated" not in path.name and "unindexed" not in path.name:
         assert not lost
-
-
-@pytest.mark.parametrize(
-    ("name", "cut"), [("test_truncated", 1), ("test_unindexed", 0), ("test_sample", 0)]
-)
-def test_every_whole_message_of_a_damaged_bag_is_read(name: str, cut: int) -> None:
-    data = (FIXTURES / f"{name}.bag").read_bytes()
-    reading = read_file(FIXTURES / f"{name}.bag")
-    heads = [match.end() for match in re.finditer(rb"\x04\0\0\0op=\x02", data)]
-    assert len(reading.messages) == len(heads) - cut
-    ends = [*heads[1:], len(data)]
-    for head, end, message in zip(heads, ends, reading.messages, strict=False):
-        assert message.payload in data[head:end]
-    assert bool(reading.losses) == (name != "test_sample")
 
 
 OTHER_VERSION: Final = re.compile(r"^metadata\.yaml does not name \S+@\w+\.\w+, so")

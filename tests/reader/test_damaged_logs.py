@@ -10,8 +10,8 @@ from dogbot_logtool.reader.containers.log import EarlierAnnotations, wrong_stati
 from dogbot_logtool.reader.opening import open_log
 from tests.reader import damaged_bags, damaged_mcaps
 from tests.reader.bag_bytes import small_bag, time
-from tests.reader.cases import AS_LOST, DESCRIBED, MCAP, Case, built, put, u64
-from tests.reader.mcap_bytes import McapBytes, channel, record, resealed, schema, small_mcap
+from tests.reader.cases import AS_LOST, MCAP, Case, built, put, u64
+from tests.reader.mcap_bytes import channel, resealed, small_mcap
 from tests.reader.reading import Read, read_bytes
 
 LATEST = 2**63 - 1
@@ -68,23 +68,6 @@ def test_a_time_span_has_all_its_messages_whatever_the_index_says(tmp_path: Path
     assert any(batch.losses for batch in batches)
 
 
-@pytest.mark.parametrize("described", [schema(1, data=b"string data\nbool more"), channel(1, "/o")])
-@pytest.mark.parametrize("where", ["described_later", "between"])
-def test_a_description_that_changes_in_mid_file(
-    tmp_path: Path, described: bytes, where: str
-) -> None:
-    """As a library writes it that keeps the last description in the summary, or the first."""
-    for in_summary in (DESCRIBED, DESCRIBED + described, described + DESCRIBED, None):
-        options = {where: {2: described}, "summary": in_summary is not None}
-        log, data = built(small_mcap(), described_in_summary=in_summary, **options)
-        reading = read_bytes(tmp_path, data)
-        assert "1 is described in two ways: as " in reading.sentences
-        assert list(reading.messages) == log.written
-        if where == "described_later" and in_summary == DESCRIBED:
-            assert {loss.offset for loss in reading.losses} == {log.chunk_starts[2]}
-            assert [chunk.whole for chunk in reading.chunks] == [True, True, False]
-
-
 def test_messages_in_and_outside_chunks(tmp_path: Path) -> None:
     log, data = built(small_mcap(), summary=False, data_crc=False)
     for start in (*log.chunk_starts[:2], log.data_end):
@@ -104,27 +87,6 @@ def test_names_that_are_no_text(tmp_path: Path, name: bytes) -> None:
     reading = read_bytes(tmp_path, data)
     assert sorted(reading.counts.values()) == [6, 6]
     assert not reading.losses
-
-
-@pytest.mark.parametrize("described", [True, False])
-def test_messages_in_front_of_their_channels_description(
-    tmp_path: Path, *, described: bool
-) -> None:
-    """An application's own record between them is passed over."""
-    left, right = (
-        [MCAP(number, 10**9 + row, b"x" * row) for row in range(10)] for number in (1, 2)
-    )
-    log, data = built(
-        McapBytes([left, right], {1: "/left"}, chunked=False, summary=False, data_crc=False)
-    )
-    log.topics = {1: "/left", 2: "/right"}
-    at = data.index(left[5].record())
-    data = data[:at] + record(0x80, b"\xff" * 30) + data[at:]
-    end = data.index(right[-1].record()) + len(right[-1].record())
-    reading = read_bytes(tmp_path, data[:end] + channel(2, "/right") * described + data[end:])
-    assert list(reading.messages) == log.written[: 20 if described else 10]
-    assert reading.lost == (0 if described else 10)
-    assert ("10 messages of channels that are nowhere described" in reading.sentences) != described
 
 
 def test_a_chunk_whose_index_names_only_earlier_annotations_is_read(tmp_path: Path) -> None:

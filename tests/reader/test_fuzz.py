@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from dogbot_logtool.errors import LogtoolError
 from tests.reader.bag_bytes import BagBytes
-from tests.reader.mutation import CASES, KINDS, Case, Mutation, floor, read_harmed
+from tests.reader.cases import Case
+from tests.reader.mutation import CASES, KINDS, Mutation, floor, read_harmed
 from tests.reader.reading import Reading, read_bytes, read_file
 
 ANY_CASE = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)

@@ -22,19 +22,6 @@ def mcap_of(*records: bytes) -> bytes:
     return MAGIC + file_header() + schema(1) + channel(1, "/a") + b"".join(records)
 
 
-def bomb_of_messages() -> bytes:
-    one = mcap_bytes.Message(1, 1, b"").record()
-    return mcap_of(*[chunk(one * ((31 << 20) // len(one)), "zstd")] * 2)[:SIZE]
-
-
-def bomb_beyond_the_limit() -> bytes:
-    return mcap_of(chunk(bytes(900 << 20), "zstd"))
-
-
-def chunks_that_claim_too_much() -> bytes:
-    return mcap_of(chunk(b"abc", "zstd", claimed=2 << 30) * 1000)
-
-
 def bomb_of_channels() -> bytes:
     inside = b"".join(channel(number % 65536, f"/t{number}") for number in range(500_000))
     return mcap_of(*[chunk(inside, "zstd")] * 2)[:SIZE]
@@ -49,10 +36,6 @@ def bomb_of_definitions() -> bytes:
         for row in range(15)
     ]
     return mcap_of(*chunks)[:SIZE]
-
-
-def nested_messages() -> bytes:
-    return mcap_of(*[struct.pack("<BQHIQQ", 5, 600_000, 1, 1, 1, 1)] * 33_000)[:SIZE]
 
 
 def summary_that_repeats_a_chunk() -> bytes:
@@ -81,22 +64,19 @@ def bag_of(*records: bytes) -> bytes:
     return bag_bytes.MAGIC + bag_bytes.bag_header(0, 0, 0) + b"".join(records)
 
 
+ONE_OF_MCAP = mcap_bytes.Message(1, 1, b"").record()
+NESTED = struct.pack("<BQHIQQ", 5, 600_000, 1, 1, 1, 1)
+"""The head of a message that claims to be long."""
+ONE_OF_BAG = bag_bytes.Message(0, 1, b"").record()
+LONG = ONE_OF_BAG[:-4] + U32.pack(1 << 30)
+INDEX = bag_bytes.record(
+    b"", op=b"\x04", ver=U32.pack(1), conn=U32.pack(0), count=U32.pack(0xFFFFFFFF)
+)
+
+
 def bag_bomb() -> bytes:
-    one = bag_bytes.Message(0, 1, b"").record()
-    content = bag_bytes.Connection(0, "/a").record() + one * ((31 << 20) // len(one))
+    content = bag_bytes.Connection(0, "/a").record() + ONE_OF_BAG * ((31 << 20) // len(ONE_OF_BAG))
     return bag_of(*[bag_bytes.chunk(content, "lz4")] * 2)[:SIZE]
-
-
-def bag_heads() -> bytes:
-    head = bag_bytes.Message(0, 1, b"").record()[:-4]
-    return bag_of((head + U32.pack(1 << 30)) * 20_000)[:SIZE]
-
-
-def bag_index_of_everything() -> bytes:
-    index = bag_bytes.record(
-        b"", op=b"\x04", ver=U32.pack(1), conn=U32.pack(0), count=U32.pack(0xFFFFFFFF)
-    )
-    return bag_of(bag_bytes.chunk(b"", "none"), index * 15_000)[:SIZE]
 
 
 def zstd_file_of_equal_bytes() -> bytes:
@@ -106,18 +86,18 @@ def zstd_file_of_equal_bytes() -> bytes:
 
 
 FILES: dict[str, Callable[[], bytes]] = {
-    "zstd bomb": bomb_of_messages,
+    "zstd bomb": lambda: mcap_of(*[chunk(ONE_OF_MCAP * 1_000_000, "zstd")] * 2)[:SIZE],
     "zstd file of equal bytes": zstd_file_of_equal_bytes,
-    "zstd bomb beyond the limit": bomb_beyond_the_limit,
-    "chunks that claim 2 GB": chunks_that_claim_too_much,
+    "zstd bomb beyond the limit": lambda: mcap_of(chunk(bytes(900 << 20), "zstd")),
+    "chunks that claim 2 GB": lambda: mcap_of(chunk(b"abc", "zstd", claimed=2 << 30) * 1000),
     "bomb of channels": bomb_of_channels,
     "bomb of definitions": bomb_of_definitions,
-    "messages within messages": nested_messages,
+    "messages within messages": lambda: mcap_of(NESTED * 33_000)[:SIZE],
     "a chunk indexed 5000 times": summary_that_repeats_a_chunk,
     "absurd lengths": absurd_lengths,
     "bag lz4 bomb": bag_bomb,
-    "bag of heads": bag_heads,
-    "bag index of everything": bag_index_of_everything,
+    "bag of heads": lambda: bag_of(LONG * 20_000)[:SIZE],
+    "bag index of everything": lambda: bag_of(bag_bytes.chunk(b"", "none"), INDEX * 15_000)[:SIZE],
     "bag of op fields": lambda: bag_of(b"\x08\0\0\0\x04\0\0\0op=\x05" * 70_000)[:SIZE],
 }
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.reader.reading import Read, read_file
-from tests.reader.sqlite_files import MESSAGES, TOPICS, expected, make
+from tests.reader.sqlite_files import MESSAGES, TOPICS, contents, expected, make
 
 RECORDER = """
 import os, random, signal, sqlite3, sys
@@ -119,7 +119,3 @@ def recovered(path: Path, copy: Path) -> list[Read]:
     connection.close()
     assert len(rows) > 100
     return [Read("/a", time, data) for time, data in rows]
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {file.name: file.read_bytes() for file in folder.iterdir()}

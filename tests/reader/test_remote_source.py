@@ -3,6 +3,7 @@
 import http.server
 import threading
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -22,7 +23,7 @@ from tests.oracles.small_logs import odometry_log
 from tests.paths import SAMPLE_LOGS
 
 
-class Server(http.server.BaseHTTPRequestHandler):
+class Server(http.server.SimpleHTTPRequestHandler):
     """Serves files by range; may fail or fall short."""
 
     folder: ClassVar[Path]
@@ -31,34 +32,23 @@ class Server(http.server.BaseHTTPRequestHandler):
     status: ClassVar[int]
     """That of all answers; 0: as it should be."""
 
-    def do_HEAD(self) -> None:
-        if data := self._content():
-            self.send_response(200)
-            self.send_header("Content-Length", str(len(data)))
-            self.send_header("Accept-Ranges", "bytes")
-            self.end_headers()
-
-    def do_GET(self) -> None:
-        data = self._content()
-        if not data:
-            return
-        wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
-        first, _, last = wanted.partition("-")
-        piece = data[int(first) : int(last or len(data) - 1) + 1]
-        self.sent.append(len(piece))
-        self.send_response(206)
-        self.send_header("Content-Range", f"bytes {first}-{last}/{len(data)}")
-        self.send_header("Content-Length", str(len(piece)))
-        self.end_headers()
-        self.wfile.write(piece[: len(piece) // 2] if self.is_short else piece)
-
-    def _content(self) -> bytes:
-        """Return what is asked for; none is there if an error is sent."""
+    def send_head(self) -> BytesIO | None:
+        """Return the piece that is asked for; none is there if an error is sent."""
         file = self.folder / self.path.lstrip("/")
         if status := self.status or (0 if file.exists() else 404):
             self.send_error(status)
-            return b""
-        return file.read_bytes()
+            return None
+        data, is_asked = file.read_bytes(), self.command == "GET"
+        wanted = self.headers.get("Range", f"bytes=0-{len(data) - 1}").removeprefix("bytes=")
+        first, _, last = wanted.partition("-")
+        piece = data[int(first) : int(last or len(data) - 1) + 1]
+        self.send_response(206 if is_asked else 200)
+        self.send_header("Accept-Ranges", "bytes")
+        self.send_header("Content-Range", f"bytes {first}-{last}/{len(data)}")
+        self.send_header("Content-Length", str(len(piece)))
+        self.end_headers()
+        self.sent.extend([len(piece)] * is_asked)
+        return BytesIO(piece[: len(piece) // 2] if self.is_short else piece)
 
     def log_message(self, *_words: object) -> None:
         """Say nothing."""

@@ -1,7 +1,6 @@
 """ROS 2 bags as rosbags writes them, and as recorders and their crashes leave them."""
 
 import random
-import re
 import shutil
 import sqlite3
 from itertools import islice
@@ -149,19 +148,6 @@ def test_damage_anywhere_gives_a_sentence_or_losses(tmp_path: Path) -> None:
         assert len(reading.messages) <= 2 * len(ENTRIES)
 
 
-def test_metadata_names_the_files_and_a_missing_one_is_a_loss(tmp_path: Path) -> None:
-    whole = split(tmp_path, StoragePlugin.SQLITE3)
-    names = ["walk_1.db3", "elsewhere/walk_0.db3", "../walk_99.db3"]
-    text = "rosbag2_bagfile_information:\n  relative_file_paths:\n"
-    (whole / "metadata.yaml").write_text(text + "".join(f"    - {name}\n" for name in names))
-    for number in range(2, 11):
-        (whole / f"walk_{number}.db3").unlink()
-    reading = read_file(whole)
-    assert list(reading.messages) == expected(ENTRIES[:80])
-    assert reading.sentences == "metadata.yaml names walk_99.db3, which is not there"
-    assert reading.lost is None
-
-
 def test_files_that_metadata_does_not_name_are_said(tmp_path: Path) -> None:
     bag = write(tmp_path / "bag")
     data = database(bag).read_bytes()
@@ -179,69 +165,60 @@ def test_files_that_metadata_does_not_name_are_said(tmp_path: Path) -> None:
     assert reading.lost is None
 
 
-def metadata_of(bag: Path, *changes: tuple[str, str]) -> None:
-    text = (bag / "metadata.yaml").read_text()
-    for pattern, replacement in changes:
-        text, count = re.subn(pattern, replacement, text)
-        assert count
-    (bag / "metadata.yaml").write_text(text)
-
-
-@pytest.mark.parametrize("plugin", PLUGINS)
-@pytest.mark.parametrize(("promised", "lost"), [(5000, 4600), (300, 0)])
-def test_metadata_that_counts_other_messages_is_said(
-    tmp_path: Path, plugin: StoragePlugin, promised: int, lost: int
-) -> None:
-    bag = write(tmp_path / "bag", plugin)
-    metadata_of(bag, (r"message_count: 400", f"message_count: {promised}"))
-    reading = read_file(bag)
-    assert list(reading.messages) == expected()
-    assert reading.sentences == f"metadata.yaml counts {promised} messages, but 400 were found"
-    assert reading.lost == lost
-
-
-def test_messages_of_a_missing_file_are_counted_once(tmp_path: Path) -> None:
-    bag = write(tmp_path / "bag")
-    (name,) = [file.name for file in bag.glob("*.db3")]
-    files = f"relative_file_paths:\n    - gone.db3\n    - {name}\n  files:\n"
-    files += "    - path: gone.db3\n      message_count: 70\n  others:"
-    metadata_of(
-        bag, ("relative_file_paths:", files), ("  message_count: 400", "  message_count: 470")
-    )
-    reading = read_file(bag)
-    assert reading.sentences == (
-        "metadata.yaml names gone.db3, which is not there; "
-        "metadata.yaml counts 470 messages, but 400 were found"
-    )
-    assert reading.lost == 70
-
-
 YAML_BOMB = "".join(
     f"a{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 10)}]\n" for n in range(9)
 )
 
 
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [
-        ("", "does not name the files"),
-        ("\0", "does not name the files"),
-        ("[" * 400_000, "does not name the files"),
-        (
-            YAML_BOMB + "rosbag2_bagfile_information: {relative_file_paths: *a8}",
-            "does not name the files",
-        ),
-        ("a" * 600_000, "is larger than 512 kB"),
-        (
-            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - other.db3\n",
-            "names none of the files that are there); the files were taken by their names",
-        ),
-    ],
-    ids=["empty", "no text", "deep", "swelling", "large", "renamed"],
-)
-def test_metadata_that_cannot_be_used_is_said(tmp_path: Path, text: str, why: str) -> None:
+def metadata(*files: str, count: int | None = None) -> str:
+    names = "".join(f"    - {file}\n" for file in files)
+    # The counts of single files stand deeper.
+    others = "  files:\n    - path: gone.db3\n      message_count: 70\n"
+    total = "" if count is None else f"  message_count: {count}\n"
+    return f"rosbag2_bagfile_information:\n  relative_file_paths:\n{names}{others}{total}"
+
+
+COUNTS = "metadata.yaml counts {} messages, but 400 were found"
+UNUSABLE = "metadata.yaml cannot be used (it {}); the files were taken by their names"
+UNNAMED = UNUSABLE.format("does not name the files")
+METADATA: dict[str, tuple[str, str, int | None]] = {
+    "elsewhere": (metadata("elsewhere/bag.db3"), "", 0),
+    "more messages": (metadata("bag.db3", count=5000), COUNTS.format(5000), 4600),
+    "fewer messages": (metadata("bag.db3", count=300), COUNTS.format(300), 0),
+    "a missing file": (
+        metadata("bag.db3", "../bag_9.db3"),
+        "metadata.yaml names bag_9.db3, which is not there",
+        None,
+    ),
+    # Its messages are counted once.
+    "a missing file of 70 messages": (
+        metadata("gone.db3", "bag.db3", count=470),
+        f"metadata.yaml names gone.db3, which is not there; {COUNTS.format(470)}",
+        70,
+    ),
+    "empty": ("", UNNAMED, 0),
+    "no text": ("\0", UNNAMED, 0),
+    "deep": ("[" * 400_000, UNNAMED, 0),
+    "swelling": (
+        YAML_BOMB + "rosbag2_bagfile_information: {relative_file_paths: *a8}",
+        UNNAMED,
+        0,
+    ),
+    "large": ("a" * 600_000, UNUSABLE.format("is larger than 512 kB"), 0),
+    "renamed": (
+        metadata("other.db3"),
+        UNUSABLE.format("names none of the files that are there"),
+        0,
+    ),
+}
+"""Its text, what is said of it, and how many messages are lost."""
+
+
+@pytest.mark.parametrize("name", METADATA)
+def test_metadata_that_tells_otherwise_is_said(tmp_path: Path, name: str) -> None:
+    text, says, lost = METADATA[name]
     bag = write(tmp_path / "bag")
     (bag / "metadata.yaml").write_text(text)
     reading = read_file(bag)
     assert list(reading.messages) == expected()
-    assert f"metadata.yaml cannot be used (it {why}" in reading.sentences
+    assert (reading.sentences, reading.lost) == (says, lost)

@@ -2,6 +2,8 @@
 
 import sqlite3
 import struct
+from collections.abc import Sequence
+from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,49 +14,43 @@ from tests.forked_cli import run
 from tests.reader.reading import read_file
 from tests.reader.sqlite_files import COUNT, MESSAGES, expected, make, root_page
 
+NO_MESSAGE = "the database holds 1 rows that are no messages"
+THIRD = "UPDATE messages SET {} WHERE id = 3"
+TABLES = (
+    (MESSAGES.replace("messages", "Messages"), ""),
+    (MESSAGES.replace("topic_id", '"topic_id" INTEGER NOT\nNULL'), ""),
+    (MESSAGES.replace("data", "data BLOB NOT NULL, more TEXT"), ""),
+    (MESSAGES, "UPDATE messages SET id = -9223372036854775808 WHERE id = 1"),
+    (MESSAGES, "UPDATE topics SET serialization_format = NULL"),
+)
+NO_TIMES = ("NULL", "'three'", "3.5", "x'03'")
+NO_ROWS = (*(f"timestamp = {each}" for each in NO_TIMES), "data = NULL", "data = 3")
+NO_TOPICS = ("topic_id = NULL", "topic_id = '1'")
+NOT_DESCRIBED = ("name = NULL", "name = x'00'", "type = NULL", "id = 9")
+
 
 @pytest.mark.parametrize(
-    ("table", "change"),
+    ("table", "change", "lost", "says"),
     [
-        (MESSAGES.replace("messages", "Messages"), ""),
-        (MESSAGES.replace("topic_id", '"topic_id" INTEGER NOT\nNULL'), ""),
-        (MESSAGES.replace("data", "data BLOB NOT NULL, more TEXT"), ""),
-        (MESSAGES, "UPDATE messages SET id = -9223372036854775808 WHERE id = 1"),
+        *((table, change, (), "") for table, change in TABLES),
+        *((MESSAGES, THIRD.format(each), (3,), NO_MESSAGE) for each in (*NO_ROWS, *NO_TOPICS)),
+        *(
+            (MESSAGES, f"UPDATE topics SET {each}", range(1, COUNT + 1), "nowhere described")  # noqa: S608
+            for each in NOT_DESCRIBED
+        ),
     ],
 )
-def test_a_table_however_it_is_made(tmp_path: Path, table: str, change: str) -> None:
-    reading = read_file(make(tmp_path / "log.db3", change, messages=table))
-    assert list(reading.messages) == expected()
-    assert reading.losses == ()
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        "timestamp = NULL",
-        "timestamp = 'three'",
-        "timestamp = 3.5",
-        "timestamp = x'03'",
-        "data = NULL",
-        "data = 3",
-        "topic_id = NULL",
-        "topic_id = '1'",
-    ],
-)
-def test_values_of_other_types_are_counted(tmp_path: Path, change: str) -> None:
-    path = make(tmp_path / "log.db3", f"UPDATE messages SET {change} WHERE id = 3")  # noqa: S608
+def test_tables_however_they_are_made_and_values_of_other_types(
+    tmp_path: Path, table: str, change: str, lost: Sequence[int], says: str
+) -> None:
+    path = make(tmp_path / "log.db3", change, messages=table)
     reading = read_file(path)
-    assert list(reading.messages) == [one for one in expected() if one.log_time != 3]
-    assert reading.sentences == "the database holds 1 rows that are no messages"
-    assert reading.lost == 1
-
-
-@pytest.mark.parametrize("change", ["name = NULL", "name = x'00'", "type = NULL", "id = 9"])
-def test_topics_of_other_types_are_not_described(tmp_path: Path, change: str) -> None:
-    reading = read_file(make(tmp_path / "log.db3", f"UPDATE topics SET {change}"))  # noqa: S608
-    assert reading.messages == ()
-    assert reading.lost == COUNT
-    assert "nowhere described" in reading.sentences
+    assert list(reading.messages) == [one for one in expected() if one.log_time not in lost]
+    assert says in reading.sentences
+    assert bool(says) == bool(reading.losses)
+    assert reading.lost == len(lost)
+    with closing(open_log(path)) as log:
+        assert {channel.message_encoding for channel in log.channels.values()} <= {"cdr"}
 
 
 @pytest.mark.parametrize("missing", [1, 4096, 5000, 40_000])
@@ -68,13 +64,6 @@ def test_what_is_there_of_a_file_that_is_cut_off_is_read(tmp_path: Path, missing
     assert list(reading.messages) == expected(count)
     assert f"it promises {len(data)} bytes, but has {len(data) - missing}" in reading.sentences
     assert reading.lost is None
-
-
-def test_a_topic_without_serialisation_is_cdr(tmp_path: Path) -> None:
-    path = make(tmp_path / "log.db3", "UPDATE topics SET serialization_format = NULL")
-    log = open_log(path)
-    assert [channel.message_encoding for channel in log.channels.values()] == ["cdr"]
-    log.close()
 
 
 PAGE = 512

@@ -10,7 +10,7 @@ import pytest
 from tests import forked_cli
 from tests.forked_cli import Ended
 from tests.reader.reading import read_file
-from tests.reader.sqlite_files import expected, make
+from tests.reader.sqlite_files import contents, expected, make
 
 MOST_MB: Final = 500
 PAGE: Final = 4096
@@ -42,12 +42,14 @@ def run(folder: Path, *words: str) -> Ended:
     return done
 
 
-def contents(folder: Path) -> dict[str, bytes | None]:
-    files = [path for path in sorted(folder.rglob("*")) if not path.is_dir()]
-    return {
-        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
-        for path in files
-    }
+def changes_nothing(folder: Path, log: Path, beside: bytes, command: str) -> None:
+    """Run a command on a log with a journal; no file anywhere is another one then."""
+    log.with_name("log.db3-journal").write_bytes(beside)
+    before = contents(folder)
+    words = [*command.split(), str(log), *([str(log)] if command == "compare" else [])]
+    done = run(folder / "work", *words)
+    assert done.returncode in {0, 1, 3}, done.stderr
+    assert contents(folder) == before
 
 
 @pytest.fixture
@@ -71,14 +73,7 @@ def test_the_name_of_another_journal_is_never_followed(
     page = log.read_bytes()[:PAGE]
     name = victim.format(folder=folder).encode()
     count = log.stat().st_size // PAGE
-    (folder / "logs" / "log.db3-journal").write_bytes(
-        journal(count, saved(1, page), 1, super_journal(name))
-    )
-    before = contents(folder)
-    words = [*command.split(), str(log), *([str(log)] if command == "compare" else [])]
-    done = run(folder / "work", *words)
-    assert done.returncode in {0, 1, 3}, done.stderr
-    assert contents(folder) == before
+    changes_nothing(folder, log, journal(count, saved(1, page), 1, super_journal(name)), command)
 
 
 @pytest.mark.parametrize(
@@ -103,11 +98,7 @@ def test_damage_in_a_journal_is_said(tmp_path: Path, place: int, says: str) -> N
 @pytest.mark.parametrize("count", [0, (1 << 32) - 1])
 def test_a_journal_makes_no_log_larger(folder: Path, pages: int, count: int) -> None:
     log = make(folder / "logs" / "log.db3")
-    (folder / "logs" / "log.db3-journal").write_bytes(journal(pages, count=count))
-    before = contents(folder)
-    done = run(folder / "work", "compare", str(log), str(log))
-    assert done.returncode in {0, 1, 3}, done.stderr
-    assert contents(folder) == before
+    changes_nothing(folder, log, journal(pages, count=count), "compare")
 
 
 @pytest.mark.parametrize("suffix", ["-wal", "-journal"])

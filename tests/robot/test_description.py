@@ -1,30 +1,14 @@
-"""Which robot description is written, and which files are refused."""
+"""Which robot descriptions are read, and which files are refused."""
 
 from contextlib import closing
 from pathlib import Path
 
 import pytest
-from mcap.reader import make_reader
-from mcap_ros1.decoder import DecoderFactory
 
-import dogbot_logtool as dl
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.robot.description import own_description, read_urdf
 from tests.oracles.mcap_channels import SentChannel, write_channels
-from tests.paths import SAMPLE_LOGS
-
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
-
-
-def test_the_user_s_file_is_written_as_it_is(tmp_path: Path) -> None:
-    file = tmp_path / "dog.urdf"
-    file.write_text('<?xml version="1.0"?>\n<robot name="dog"><link name="base_link"/></robot>')
-    dl.convert(TROT, tmp_path / "out.mcap", urdf=file)
-    with (tmp_path / "out.mcap").open("rb") as stream:
-        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-        found = list(reader.iter_decoded_messages(topics=["/robot_description"]))
-    assert [decoded.data for _, _, _, decoded in found] == [file.read_text()]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 import dogbot_logtool as dl
-from dogbot_logtool.errors import CallError
 from dogbot_logtool.options import RobotOptions
 from dogbot_logtool.robot.recorded import open_recorded
 from dogbot_logtool.robot.selection import Selection, select_topics
@@ -17,7 +16,6 @@ from tests.oracles.small_logs import CONTACTS, WRENCH, write_log
 LEGS = ("front_left", "front_right", "back_left", "back_right")
 DOGBOT = {f"/dogbot/{leg}_contactsensor_state": CONTACTS for leg in LEGS}
 SPARE = {f"/spare/{number}": CONTACTS for number in range(4)}
-FRONT_RIGHT = "/dogbot/front_right_contactsensor_state"
 SENSORS = {
     f"/{side} {at}/wrench": WRENCH for side in ("left", "right") for at in ("toe y", "toe x")
 }
@@ -44,30 +42,6 @@ def test_a_robot_of_which_the_log_has_nothing(path: Path) -> None:
     assert "ROBOT_GUESSED" not in {each.code for each in named.findings}
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (RobotOptions(odom_topic="dogbot/odom"), "did you mean /dogbot/odom?"),
-        (RobotOptions(foot={"back_left": "/dogbot/back_left"}), "did you mean /dogbot/"),
-        (RobotOptions(odom_topic="/spare/0"), "is of type gazebo_msgs/ContactsState"),
-        (RobotOptions(foot={"a": "/x"}), "is of type nav_msgs/Odometry"),
-        (RobotOptions(foot={"nose": "/spare/0"}), "has no such foot; it has front_left"),
-        (RobotOptions(robot="dogbot", foot={"nose": "/spare/0"}), "has no such foot"),
-        (
-            RobotOptions(robot="generic", foot={"a": "/spare/0", "b": "/spare/0"}),
-            "would be that of a, b, and is about one foot",
-        ),
-        (
-            RobotOptions(foot={"front_left": FRONT_RIGHT}),
-            "would be that of front_left, front_right",
-        ),
-    ],
-)
-def test_options_that_do_not_fit(path: Path, options: RobotOptions, said: str) -> None:
-    with pytest.raises(CallError, match=said):
-        selected(path, options)
-
-
 # What is offered in a terminal
 
 
@@ -75,28 +49,25 @@ def run(*words: object) -> Ended:
     return forked_cli.run(*words, environment={"COLUMNS": "80"})
 
 
-def test_the_offered_command_can_be_typed(tmp_path: Path) -> None:
-    (tmp_path / "a folder").mkdir()
-    sensors = write_log(
-        tmp_path / "a folder" / "it's.mcap", SENSORS, odometry=["/odom"], samples=400
-    )
-    told = run("stats", sensors)
-    assert "Gait: not measured (no topic of feet)" in told.stdout
-    figures = json.loads(run(*command(told.stdout), "--json", "-v").stdout)
+@pytest.mark.parametrize("name", ["stats", "convert", "layout", "report", "stats --figure x.svg"])
+def test_the_errors_offer_feet_by_a_command_that_can_be_typed(tmp_path: Path, name: str) -> None:
+    log = write_log(tmp_path / "it's a walk.mcap", SENSORS, samples=400)
+    first, *words = name.split()
+    done = run(first, log, *(tmp_path / word if "." in word else word for word in words))
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("error: ")
+    assert sorted(tmp_path.iterdir()) == [log]
+    offered = command(done.stderr)
+    assert offered[:2] == ["stats", str(log)]
+    figures = json.loads(run(*offered, "--json", "-v").stdout)
     feet = {name: foot["topic"] for name, foot in figures["settings"]["feet"].items()}
     assert feet == {side: f"/{side} toe x/wrench" for side in ("left", "right")}
     assert all(foot["touchdown_s"] for foot in figures["feet"].values())
 
 
-@pytest.mark.parametrize("name", ["stats", "convert", "layout", "report", "stats --figure x.svg"])
-def test_the_errors_offer_feet(tmp_path: Path, name: str) -> None:
-    log = write_log(tmp_path / "walk.mcap", SENSORS)
-    first, *words = name.split()
-    done = run(first, log, *(tmp_path / word if "." in word else word for word in words))
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.startswith("error: ")
-    assert command(done.stderr)[:2] == ["stats", str(log)]
-    assert sorted(tmp_path.iterdir()) == [log]
+def test_a_gait_without_feet_is_not_measured(tmp_path: Path) -> None:
+    log = write_log(tmp_path / "log.mcap", {}, odometry=["/odom"])
+    assert "Gait: not measured (no topic of feet)" in run("stats", log).stdout
 
 
 # Some of the feet only

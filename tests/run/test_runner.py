@@ -14,8 +14,9 @@ import pytest
 from dogbot_logtool.run.executor import ProcessRunner
 from dogbot_logtool.run.runner import Failure, Runner, runner_for
 from tests.paths import ROOT
-from tests.run.work import Progress, wait_for_the_end_of, work
+from tests.run.work import Progress, work
 from tests.shell import Outcome, python
+from tests.torture.test_signals import survivors_of
 
 
 def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any], Progress]:
@@ -52,15 +53,6 @@ def test_a_result_that_cannot_be_sent_costs_its_own_item_only(tmp_path: Path) ->
     assert found[1].sentence.startswith("its result cannot be sent: ZeroDivisionError")
 
 
-def wait_for_endless(folder: Path, count: int) -> list[int]:
-    """Wait until as many processes work for ever; return their ids."""
-    end = time.monotonic() + 60.0
-    while len(begun := list(folder.glob("begun.*"))) < count:
-        assert time.monotonic() < end
-        time.sleep(0.01)
-    return [int(file.suffix[1:]) for file in begun]
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGHUP], ids=lambda n: n.name)
 def test_no_worker_outlives_the_first_process(tmp_path: Path, number: signal.Signals) -> None:
@@ -69,10 +61,7 @@ def test_no_worker_outlives_the_first_process(tmp_path: Path, number: signal.Sig
 import signal
 from pathlib import Path
 from dogbot_logtool.run.executor import ProcessRunner
-from tests.shell import Outcome, python
-from tests.run.work import Progress
-from tests.shell import Outcome, python
-from tests.run.work import work
+from tests.run.work import Progress, work
 
 if __name__ == "__main__":
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
@@ -85,12 +74,15 @@ if __name__ == "__main__":
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
+        start_new_session=True,
     )
-    workers = wait_for_endless(tmp_path, 2)
+    end = time.monotonic() + 60.0
+    while len(list(tmp_path.iterdir())) < 2:
+        assert time.monotonic() < end
+        time.sleep(0.01)
     process.send_signal(number)
     process.communicate(timeout=60.0)
-    wait_for_the_end_of(*workers)
-    assert list(tmp_path.iterdir()) == []
+    assert [*survivors_of(process.pid), *tmp_path.iterdir()] == []
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits files")
@@ -101,7 +93,6 @@ import dogbot_logtool.run.executor, dogbot_logtool.report.text.console
 from contextlib import closing
 from resource import RLIMIT_NOFILE, setrlimit
 from dogbot_logtool.errors import LogtoolError
-from tests.shell import Outcome, python
 from tests.run.work import Progress
 
 if __name__ == "__main__":

@@ -1,13 +1,10 @@
-"""Work for runners: what ends well, fails, dies or never ends; and who watches it."""
+"""Work for runners: what ends well, fails, dies or never ends."""
 
 import os
 import signal
 import time
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
-
-import psutil
 
 from dogbot_logtool.errors import CallError
 from dogbot_logtool.run.runner import OnProgress
@@ -65,17 +62,3 @@ def endless(folder: Path) -> None:
             time.sleep(60.0)
     finally:
         begun.unlink()
-
-
-def wait_for_the_end_of(*processes: int) -> None:
-    """Wait until processes have ended, also where nothing has asked yet how they did."""
-    end = time.monotonic() + 60.0
-    while any(map(_is_running, processes)):
-        assert time.monotonic() < end
-        time.sleep(0.01)
-
-
-def _is_running(process: int) -> bool:
-    with suppress(psutil.NoSuchProcess):
-        return psutil.Process(process).status() != psutil.STATUS_ZOMBIE
-    return False

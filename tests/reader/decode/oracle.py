@@ -13,7 +13,7 @@ from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
 
 from dogbot_logtool.core.arrays import Flags
-from dogbot_logtool.reader.decode.columns import Table
+from dogbot_logtool.reader.decode.columns import Table, Texts
 from dogbot_logtool.reader.decode.decode import decode
 from dogbot_logtool.reader.decode.definition import parse_definition
 from dogbot_logtool.reader.decode.message_layout import Layout, compile_layout
@@ -237,6 +237,14 @@ def assert_numbers(found: Any, values: Any, kind: str, shape: tuple[int, ...]) -
         zero = found == 0
         np.testing.assert_array_equal(np.signbit(found)[zero], np.signbit(expected)[zero])
     np.testing.assert_array_equal(found, expected)
+
+
+def texts_of(values: Sequence[str]) -> Texts:
+    """Return a column of texts."""
+    encoded = [value.encode() for value in values]
+    length = np.array([len(data) for data in encoded], np.int64)
+    buffer = np.frombuffer(b"".join(encoded) + b"\0" * 8, np.uint8)
+    return Texts(buffer, np.cumsum(length) - length, length)
 
 
 class Decoded(NamedTuple):

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -20,6 +19,7 @@ from tests.reader.decode.oracle import (
     dotted_paths,
     generated,
     ros_of,
+    texts_of,
 )
 
 
@@ -115,26 +115,14 @@ def test_text_that_is_not_utf_8_is_replaced() -> None:
 # Columns of texts, against a plain list of strings
 
 
-def texts_of(values: list[str]) -> Texts:
-    encoded = [value.encode() for value in values]
-    length = np.array([len(data) for data in encoded], np.int64)
-    buffer = np.frombuffer(b"".join(encoded) + b"\0", np.uint8)
-    return Texts(buffer, np.cumsum(length) - length, length)
+FEW = st.lists(st.text("ab/", max_size=3), max_size=40)
+FRAMES = st.integers(0, 400).map(lambda number: "" if number == 7 else f"frame_{number}")
+MANY = st.lists(FRAMES, min_size=300, max_size=600)
 
 
-def assert_encodes(values: list[str]) -> None:
+@settings(deadline=None)
+@given(FEW | MANY)
+def test_different_texts_are_numbered(values: list[str]) -> None:
     code, names = texts_of(values).encode()
     assert [names[each] for each in code.tolist()] == values
     assert list(names) == list(dict.fromkeys(values))
-
-
-@settings(deadline=None)
-@given(st.lists(st.text("ab/", max_size=3), max_size=40))
-def test_few_different_texts(values: list[str]) -> None:
-    assert_encodes(values)
-
-
-@settings(deadline=None)
-@given(st.lists(st.integers(0, 400), min_size=300, max_size=600))
-def test_many_different_texts(numbers: list[int]) -> None:
-    assert_encodes(["" if number == 7 else f"frame_{number}" for number in numbers])

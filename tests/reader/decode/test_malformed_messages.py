@@ -2,7 +2,6 @@
 
 import tracemalloc
 from collections.abc import Callable
-from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +13,6 @@ from dogbot_logtool.reader.decode.decode import MAX_VARIABLE_ELEMENTS
 from tests.reader.decode.oracle import (
     WIRES,
     Author,
-    Definition,
     Wire,
     assert_same,
     decode_alone,
@@ -118,21 +116,15 @@ def test_a_truncated_message_alone_is_unsound_though_wanted_fields_lie_far_apart
         assert decoded.table.rows == 0
 
 
-@cache
-def author_of_hostility() -> tuple[Definition, list[bytes]]:
+def test_counts_that_no_message_can_hold_allocate_nothing() -> None:
     definition = define(
         2,
         "string a\nfloat64[] b\nInner[] c\nstring[] d\nInner[2] e\nuint8[] f",
         Inner="uint8 x\nstring y\nuint32[] z\nEven[] even",
         Even="float64 x\nfloat64 y",
     )
-    return definition, Author(definition, "cdr little-endian", 5).write(40)
-
-
-def test_counts_that_no_message_can_hold_allocate_nothing() -> None:
-    definition, messages = author_of_hostility()
     layout = definition.layout("cdr little-endian")
-    worst = max(messages, key=len)
+    worst = max(Author(definition, "cdr little-endian", 5).write(40), key=len)
     places = range(4, len(worst) - 3)
     hostile = [worst[:place] + b"\xff" * 4 + worst[place + 4 :] for place in places]
     decode_messages(layout, hostile)

@@ -8,9 +8,9 @@ import pytest
 
 from dogbot_logtool.errors import DefinitionError
 from dogbot_logtool.reader.decode.columns import Table
-from dogbot_logtool.reader.decode.decode import decode
 from dogbot_logtool.reader.decode.message_layout import compile_layout
 from dogbot_logtool.reader.decode.objects import as_ros1, object_definition
+from tests.reader.decode.oracle import decode_messages
 
 DEFINITION = object_definition("foxglove.JointStates", "json")
 KNEE = {"name": "é", "position": 2}
@@ -24,10 +24,7 @@ def written(message: Any) -> bytes | None:
 
 def decoded(*messages: Any) -> Table:
     data = [written(each) or b"" for each in messages]
-    end = np.cumsum([len(each) for each in data])
-    start = end - [len(each) for each in data]
-    layout = compile_layout(DEFINITION, "ros1", None)
-    table, sound = decode(layout, np.frombuffer(b"".join(data), np.uint8), start, end)
+    table, sound = decode_messages(compile_layout(DEFINITION, "ros1", None), data)
     assert sound.all()
     return table
 

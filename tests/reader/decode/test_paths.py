@@ -60,11 +60,7 @@ float64 w
         ("name[]", "text", "must be readable as name[]"),
         ("loads[].x", "number", "has no field 'loads.x', which is needed"),
         ("legs[]", "number", "must be readable as number, but the log's definition has odd/Leg"),
-        (
-            "loads[4]",
-            "number",
-            "must be readable as loads[4], but",
-        ),
+        ("loads[4]", "number", "must be readable as loads[4], but"),
     ],
 )
 def test_what_a_definition_does_not_have_is_refused(text: str, want: Want, words: str) -> None:
@@ -112,21 +108,6 @@ def test_vectors_of_arrays_of_another_length_are_not_known(condition: str, fits:
 
 
 # Paths that users name
-
-
-@pytest.mark.parametrize(
-    ("path", "width", "is_integer"),
-    [
-        ("down", 1, True),
-        ("cells[70]", 1, False),
-        ("legs[2].force", 3, False),
-        ("legs[0].flags[1]&4", 1, True),
-        ("down&0x1", 1, True),
-    ],
-)
-def test_paths_that_fit(path: str, width: int, *, is_integer: bool) -> None:
-    found = parse_field_path(STATE, path)
-    assert (found.width, found.is_integer) == (width, is_integer)
 
 
 @pytest.mark.parametrize(

@@ -3,20 +3,9 @@
 import numpy as np
 import pytest
 
-from dogbot_logtool.reader.decode.columns import Texts
 from dogbot_logtool.reader.foot import Foot
-from dogbot_logtool.reader.messages.gazebo import (
-    foot_sides,
-    newest_step,
-    step_times,
-)
-
-
-def texts(strings: list[str]) -> Texts:
-    data = [string.encode() for string in strings]
-    length = np.array([len(each) for each in data], np.int64)
-    buffer = np.frombuffer(b"".join(data) + b"\0" * 8, np.uint8)
-    return Texts(buffer, np.cumsum(length) - length, length)
+from dogbot_logtool.reader.messages.gazebo import foot_sides, newest_step, step_times
+from tests.reader.decode.oracle import texts_of
 
 
 def told_at(seconds: int) -> str:
@@ -29,7 +18,7 @@ def test_a_message_that_tells_no_time_is_one_step_and_is_counted(info: str) -> N
     infos = [told_at(1), info, told_at(2), info, told_at(3)]
     owner = np.array([0, 0, 0, 1, 2], np.int64)
 
-    newest, _, untimed = newest_step(step_times(texts(infos)), owner, np.zeros(3, np.int64))
+    newest, _, untimed = newest_step(step_times(texts_of(infos)), owner, np.zeros(3, np.int64))
 
     assert newest.tolist() == [True] * 5
     assert untimed == 1
@@ -44,7 +33,7 @@ def test_a_message_that_tells_no_time_is_one_step_and_is_counted(info: str) -> N
     ],
 )
 def test_the_link_stands_in_the_collisions_name(collision: str, link: str | None) -> None:
-    pair = texts([collision, "ground_plane::link::collision"])
+    pair = texts_of([collision, "ground_plane::link::collision"])
     foot = Foot("front_left", "/x", collision=collision)
     _, links = foot_sides(pair.pick(np.array([0])), pair.pick(np.array([1])), np.array([0]), [foot])
     assert links == ({0: {link}} if link else {})

@@ -24,10 +24,10 @@ NAMES: Final = tuple(
 )
 SAMPLES: Final = 7
 MOTORS: Final = {
-    "unitree_go/msg/LowState": ("motor_state", "tau_est"),
-    "unitree_legged_msgs/msg/LowState": ("motorState", "tauEst"),
+    "unitree_go/msg/LowState": ("motor_state", "tau_est", "foot_force"),
+    "unitree_legged_msgs/msg/LowState": ("motorState", "tauEst", "footForce"),
 }
-FORCES: Final = dict(zip(MOTORS, ("foot_force", "footForce"), strict=True))
+"""The fields of motors, of a motor's effort, and of forces."""
 ROS: Final = "sensor_msgs/msg/JointState"
 
 
@@ -55,32 +55,22 @@ def ros(walk: walks.Walk, sample: int) -> Any:
 
 def motors(walk: walks.Walk, kind: str, sample: int) -> Any:
     """Twenty motors, of which a quadruped has twelve."""
-    field, effort = MOTORS[kind]
-    package = kind.partition("/")[0]
-    states = [
-        walk.make(
-            f"{package}/MotorState",
-            mode=1,
-            q=value(sample, joint, 0),
-            dq=value(sample, joint, 1),
-            **{effort: value(sample, joint, 2)},
-        )
-        for joint in range(20)
-    ]
+    field, effort, _ = MOTORS[kind]
+    numbers = [[value(sample, joint, kind) for kind in range(3)] for joint in range(20)]
+    states = [{"mode": 1, "q": q, "dq": dq, effort: tau} for q, dq, tau in numbers]
     return walk.make(kind, tick=sample, **{field: states})
 
 
 def store(kind: str, ros_version: int) -> walks.Walk:
     walk = walks.Walk(ros_version)
     if kind in MOTORS:
-        field, effort = MOTORS[kind]
-        package = kind.partition("/")[0]
+        field, effort, forces = MOTORS[kind]
+        motor = kind.replace("LowState", "MotorState")
         walk.store.fielddefs.pop(kind, None)
-        for name, text in {
-            f"{package}/msg/MotorState": f"uint8 mode\nfloat32 q\nfloat32 dq\nfloat32 {effort}",
-            kind: f"{package}/MotorState[20] {field}\nint16[4] {FORCES[kind]}\nuint32 tick",
-        }.items():
-            walk.store.register(get_types_from_msg(text, name))
+        text = f"uint8 mode\nfloat32 q\nfloat32 dq\nfloat32 {effort}"
+        walk.store.register(get_types_from_msg(text, motor))
+        text = f"{motor}[20] {field}\nint16[4] {forces}\nuint32 tick"
+        walk.store.register(get_types_from_msg(text, kind))
     return walk
 
 
