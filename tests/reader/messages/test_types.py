@@ -1,5 +1,6 @@
 """One walk in every type of contact message: the same columns, judged by the walk itself."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
 
@@ -50,12 +51,9 @@ def write(folder: Path, kind: str, ros: int) -> Path:
 
 
 def read(folder: Path, kind: str, ros: int, robot: str = "generic") -> tuple[Selection, list[Any]]:
-    log = open_log(write(folder, kind, ros))
-    try:
+    with closing(open_log(write(folder, kind, ros))) as log:
         selection = select_topics(log, MeasureOptions(robot=robot))
         found = read_recording(log, selection.wanted(), jobs=1)
-    finally:
-        log.close()
     assert not found.losses
     feet, selection = decide_contacts(found.recording.feet, selection)
     return selection, list(feet)
