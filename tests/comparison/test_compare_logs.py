@@ -10,7 +10,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
-from mcap.writer import CompressionType, IndexType, Writer
+from mcap.writer import CompressionType, IndexType
 
 import dogbot_logtool as dl
 from tests import forked_cli
@@ -31,6 +31,7 @@ from tests.comparison.recordings import (
     ros_kind,
     scene,
 )
+from tests.oracles.mcap_channels import SentChannel, write_channels
 
 
 def mixed(count: int = 50) -> Recording:
@@ -75,24 +76,17 @@ def test_neither_packing_nor_order_matters(tmp_path: Path, packing: dict[str, An
 
 
 def test_several_senders_of_a_topic_are_one_topic(tmp_path: Path) -> None:
-    def write(name: str, *encodings: str) -> Path:
-        path = tmp_path / name
-        with path.open("wb") as file:
-            writer = Writer(file)
-            writer.start("", "")
-            schema = writer.register_schema("Load", "jsonschema", b"{}")
-            channels = [
-                writer.register_channel("/a", each, schema, {"callerid": str(number)})
-                for number, each in enumerate(encodings)
-            ]
-            for time in range(10):
-                writer.add_message(channels[time % len(channels)], time, b"1", time)
-            writer.finish()
-        return path
+    def log(*encodings: str) -> Path:
+        channels = (
+            SentChannel(
+                "/a", "Load", each, messages=[(t, b"1") for t in range(10)[n :: len(encodings)]]
+            )
+            for n, each in enumerate(encodings)
+        )
+        return write_channels(tmp_path / "-".join(encodings), channels)
 
-    two, one = write("two", "json", "json"), write("one", "json")
-    assert compared(tmp_path, two, one).exit_code == 0
-    result = compared(tmp_path, one, write("other", "json", "cbor"))
+    assert compared(tmp_path, log("json", "json"), log("json")).exit_code == 0
+    result = compared(tmp_path, log("json"), log("json", "cbor"))
     assert lines(result) == ["/a encoding: expected json, got cbor, json"]
     assert counts(result) == (10, 10, 5, 0, 5, 0, 0)
 

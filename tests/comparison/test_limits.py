@@ -11,6 +11,9 @@ from dogbot_logtool.comparison.judge import Judgement, Status, figures_in, judge
 from dogbot_logtool.comparison.limits import parse_limits
 from dogbot_logtool.comparison.suggestion import doubts, suggest_limits
 from dogbot_logtool.errors import CallError
+from dogbot_logtool.report.documents import stats_json
+from tests.measured import measured
+from tests.paths import TROT
 
 
 @pytest.mark.parametrize(
@@ -161,33 +164,18 @@ def test_a_baseline_gives_the_range(
 
 
 def run(duty: float = 0.7, slip_m: float = 0.001, code: str = "", *events: str) -> dict[str, Any]:
-    """Return the figures of a run with two feet."""
-    foot = {
-        "duty_factor": {"median": duty},
-        "stride_period_s": {"median": 1.1},
-        "stride_length_m": {"median": 0.3},
-        "peak_force_bw": {"median": 0.6},
-        "slip_m": {"max": slip_m},
-        "contact_fraction": duty,
-        "contact_travel_m": {"median": 0.002},
-    }
+    """Return the figures of the trot, with some that are given."""
     severity = "error" if code == "UNREADABLE" else "warning"
     finding = {"code": code, "severity": severity, "text": "", "where": ""}
-    return {
-        "events": [{"type": event, "onset_s": 1.0} for event in events],
-        "base": {"duration_s": 9.0},
-        "findings": [finding] if code else [],
-        "feet": {"left": foot, "right": copy.deepcopy(foot)},
-        "gait": {"name": "trot", "class_distance": 0.01},
-        "forces": {
-            "load_share": {"feet": {"left": 0.5, "right": 0.5}},
-            "vertical_impulse_over_weight": 1.0,
-        },
-        "stability": {"static_margin_m": {"median": 0.1, "min": 0.05}},
-    }
+    log = copy.deepcopy(stats_json(measured(TROT)))
+    log["findings"] = [finding] if code else []
+    log["events"] = [{"type": event, "onset_s": 1.0} for event in events]
+    for foot in log["feet"].values():
+        foot["duty_factor"]["median"], foot["slip_m"]["max"] = duty, slip_m
+    return log
 
 
-WALKING: Final = {**run(), "gait": {"name": "walk", "class_distance": 0.01}}
+WALKING: Final = {**run(), "gait": {**run()["gait"], "name": "walk"}}
 GOOD: Final = (run(0.700), run(0.703), run(0.698))
 NAMES: Final = ("a.bag", "b.bag", "c.bag")
 
@@ -201,7 +189,7 @@ def verdict(log: dict[str, Any], *good: dict[str, Any]) -> Status:
 DOUBTED, SHAKY = run(0.7, 0.001, "DEAD"), run(0.7, 0.001, "", "slip", "touchdown", "slip")
 
 LAME = run()
-LAME["feet"]["right"]["duty_factor"] = None
+LAME["feet"]["front_right"]["duty_factor"] = None
 
 
 @pytest.mark.parametrize(
@@ -231,15 +219,15 @@ def test_the_good_runs_pass_and_others_fail(
 def test_feet_that_are_alike_share_a_rule_with_half_as_much_room_again() -> None:
     text = suggest_limits([run(0.6), run(0.8)], NAMES[:2])
     assert 'figure = "feet.*.duty_factor.median"\nbetween = [0.5, 0.9]' in text
-    assert "feet.left" not in text
+    assert "feet.front_left.duty" not in text
 
 
 def test_feet_that_differ_have_a_rule_each() -> None:
     log = run()
-    log["feet"]["left"]["duty_factor"]["median"] = 0.9
+    log["feet"]["front_left"]["duty_factor"]["median"] = 0.9
     text = suggest_limits([log], ["a.bag"])
-    assert 'figure = "feet.left.duty_factor.median"\nbetween = [0.855, 0.945]' in text
-    assert 'figure = "feet.right.duty_factor.median"\nbetween = [0.665, 0.735]' in text
+    assert 'figure = "feet.front_left.duty_factor.median"\nbetween = [0.855, 0.945]' in text
+    assert 'figure = "feet.front_right.duty_factor.median"\nbetween = [0.665, 0.735]' in text
 
 
 def test_what_a_run_does_not_tell_gets_no_rule_and_is_unknown_where_there_is_one() -> None:

@@ -22,8 +22,7 @@ from dogbot_logtool.reader.containers.loss import Damage, Loss
 from dogbot_logtool.report.documents import schema, stats_json
 from dogbot_logtool.report.page.render import page
 from dogbot_logtool.report.text.gait_diagram import ASCII, gait_diagram
-from dogbot_logtool.report.text.stats_text import print_report, print_summary
-from dogbot_logtool.report.verdict import summary_row
+from dogbot_logtool.report.text.stats_text import print_report
 from dogbot_logtool.results import Measurement
 from tests import forked_cli
 from tests.forked_cli import run
@@ -143,15 +142,6 @@ def test_the_diagram_tells_what_is_not_known() -> None:
     bars = dict(line.plain.split()[:2] for line in lines[:4])
     assert "?" * 20 in bars["front_right"]
     assert set(bars["back_left"]) == {"?"}
-
-
-def test_several_logs_have_a_row_each(missing: dict[str, Measurement]) -> None:
-    file = io.StringIO()
-    done = [measured(TROT), missing["no feet"]]
-    print_summary(Console(file=file, width=80), [summary_row(each) for each in done])
-    lines = file.getvalue().splitlines()
-    assert len(lines) == 4
-    assert lines[2].split()[:3] == ["dogbot_trot.bag", "trot", "high"]
 
 
 def test_a_walk_shorter_than_the_log_is_shown_by_its_longest_segment() -> None:
