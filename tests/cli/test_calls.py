@@ -118,6 +118,8 @@ info SHORT | odometry
 info SHORT --json | "container": "ROS 1 bag"
 info --frames SHORT | added by convert
 stats SHORT | Gait: trot
+stats SHORT --start 0 | Gait: trot
+stats SHORT --start 0.5 --end 1e9 | Gait: trot
 stats SHORT -v | no header stamps
 stats TROT WALK | dogbot_walk.mcap walk high
 check SHORT --suggest | [[rule]]
@@ -202,3 +204,12 @@ def test_a_bad_log_does_not_stop_the_others(shell: Shell) -> None:
     assert done.code == 2
     assert [bool(one.get("error")) for one in done.json] == [False, True, False]
     assert done.err == "error: 1 of 3 logs could not be done\n  nothing.bag  no such file\n"
+
+
+@pytest.mark.parametrize("command", ["convert", "stats", "report"])
+def test_each_log_has_its_own_span(shell: Shell, command: str) -> None:
+    done = shell(command, TROT, first_seconds(TROUBLED), "--start", "5.5", "--end", "6.5")
+    assert done.code == 2
+    assert "1 of 2 logs could not be done" in done.err
+    assert "it lasts from 0 to 2.000 s" in " ".join(done.err.split())
+    assert len(shell.files()) == {"convert": 1, "stats": 0, "report": 3}[command]

@@ -1,6 +1,5 @@
 """One walk of the base in every type of message that can hold it."""
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -9,9 +8,9 @@ import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.Odometry_pb2 import Odometry
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
-from mcap.writer import Writer as McapWriter
 
 from tests.oracles import walks
+from tests.oracles.mcap_channels import SentChannel, write_channels
 
 WALK: Final = walks.Walk(2)
 SAMPLES: Final = 300
@@ -100,7 +99,7 @@ def models(walk: walks.Walk, places: Mapping[str, float]) -> bytes:
 def message(kind: str, sample: int) -> bytes:
     """Return the serialised message of a sample."""
     if kind.startswith("foxglove."):
-        made: Any = _FOXGLOVE[kind][1](**foxglove(kind, sample, ("seconds", "nanos")))
+        made: Any = _FOXGLOVE[kind][1](**_foxglove(kind, sample))
         return bytes(made.SerializeToString())
     full = kind.replace("/", "/msg/")
     fields = _KINDS[kind][1] if kind in _KINDS else _array
@@ -200,11 +199,11 @@ _FOXGLOVE: Final[Mapping[str, tuple[str, Any]]] = {
 TOPICS: Final = {kind: topic for kind, (topic, _) in [*_KINDS.items(), *_FOXGLOVE.items()]}
 
 
-def foxglove(kind: str, sample: int, parts_of_time: tuple[str, str] = ("sec", "nsec")) -> Fields:
-    """Return the fields of a message of one of Foxglove's types, as JSON has them."""
+def _foxglove(kind: str, sample: int) -> Fields:
+    """Return the fields of a message of one of Foxglove's types."""
     position, quaternion, _ = pose(sample)
     time = divmod(walks.START + sample * walks.STEP, 1_000_000_000)
-    stamp = {"timestamp": dict(zip(parts_of_time, time, strict=True))}
+    stamp = {"timestamp": dict(zip(("seconds", "nanos"), time, strict=True))}
     at = dict(zip("xyz", map(float, position), strict=True))
     turned = dict(zip("xyzw", map(float, quaternion), strict=True))
     if kind.endswith("FrameTransforms"):
@@ -217,24 +216,12 @@ def foxglove(kind: str, sample: int, parts_of_time: tuple[str, str] = ("sec", "n
     return fields
 
 
-def write(path: Path, kind: str, *topics: str, encoding: str = "") -> Path:
+def write(path: Path, kind: str, *topics: str) -> Path:
     """Write the walk of the base in one type of message."""
-    with path.open("wb") as stream:
-        writer = McapWriter(stream, chunk_size=1 << 14)
-        writer.start(profile="ros2")
-        if kind.startswith("foxglove."):
-            encoding = encoding or "protobuf"
-            schema_encoding = "protobuf" if encoding == "protobuf" else "jsonschema"
-            schema = writer.register_schema(kind, schema_encoding, b"{}")
-        else:
-            encoding = "cdr"
-            schema = writer.register_schema(kind, "ros2msg", definition(kind).encode())
-        channels = [writer.register_channel(topic, encoding, schema) for topic in topics]
-        for sample in range(SAMPLES):
-            is_json = encoding == "json"
-            data = json.dumps(foxglove(kind, sample)).encode() if is_json else message(kind, sample)
-            time = walks.START + sample * walks.STEP
-            for channel in channels:
-                writer.add_message(channel, time, data, time)
-        writer.finish()
-    return path
+    encodings, described = ("protobuf", "protobuf"), b"{}"
+    if kind not in _FOXGLOVE:
+        encodings, described = ("cdr", "ros2msg"), definition(kind).encode()
+    times = (walks.START + sample * walks.STEP for sample in range(SAMPLES))
+    sent = [(time, message(kind, sample)) for sample, time in enumerate(times)]
+    channels = (SentChannel(topic, kind, *encodings, described, sent) for topic in topics)
+    return write_channels(path, channels)

@@ -200,7 +200,7 @@ METADATA: dict[str, tuple[str, str, int | None]] = {
     "no text": ("\0", UNNAMED, 0),
     "deep": ("[" * 400_000, UNNAMED, 0),
     "swelling": (
-        YAML_BOMB + "rosbag2_bagfile_information: {relative_file_paths: *a8}",
+        f"{YAML_BOMB}rosbag2_bagfile_information: {{relative_file_paths: *a8}}",
         UNNAMED,
         0,
     ),

@@ -2,6 +2,7 @@
 
 import os
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -101,19 +102,19 @@ def test_a_journal_makes_no_log_larger(folder: Path, pages: int, count: int) -> 
     changes_nothing(folder, log, journal(pages, count=count), "compare")
 
 
+NO_JOURNALS: Final[dict[str, Callable[[Path], object]]] = {
+    "byte": lambda path: path.write_bytes(b"\x37"),
+    "link": lambda path: path.symlink_to("/dev/zero"),
+    "pipe": os.mkfifo,
+    "folder": Path.mkdir,
+}
+
+
 @pytest.mark.parametrize("suffix", ["-wal", "-journal"])
-@pytest.mark.parametrize("kind", ["byte", "link", "pipe", "folder"])
+@pytest.mark.parametrize("kind", NO_JOURNALS)
 def test_what_is_no_journal_is_left_alone(folder: Path, suffix: str, kind: str) -> None:
     log = make(folder / "logs" / "log.db3")
-    beside = folder / "logs" / f"log.db3{suffix}"
-    if kind == "byte":
-        beside.write_bytes(b"\x37")
-    elif kind == "link":
-        beside.symlink_to("/dev/zero")
-    elif kind == "pipe":
-        os.mkfifo(beside)
-    else:
-        beside.mkdir()
+    NO_JOURNALS[kind](folder / "logs" / f"log.db3{suffix}")
     done = run(folder / "work", "info", str(log))
     assert done.returncode in {0, 3}, done.stderr
     assert "/a" in done.stdout

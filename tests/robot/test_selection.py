@@ -109,23 +109,22 @@ MAKERS = dict(makers())
 RECORDED = dict(recorded())
 
 
-@pytest.mark.parametrize("name", [*MAKERS, *RECORDED])
-def test_what_is_used_and_offered(name: str, tmp_path: Path) -> None:
-    path = RECORDED.get(name, tmp_path / "recording.mcap")
+def seen_of(name: str, folder: Path) -> dict[str, Any]:
+    path = RECORDED.get(name, folder / "recording.mcap")
     if name in MAKERS:
         MAKERS[name](path)
-    assert seen(path) == json.loads(TABLE.read_text(encoding="utf-8"))[name]
+    return seen(path)
+
+
+@pytest.mark.parametrize("name", [*MAKERS, *RECORDED])
+def test_what_is_used_and_offered(name: str, tmp_path: Path) -> None:
+    assert seen_of(name, tmp_path) == json.loads(TABLE.read_text(encoding="utf-8"))[name]
 
 
 def main() -> None:
     """Write the table."""
-    table = {}
     with TemporaryDirectory() as folder:
-        for name in (*MAKERS, *RECORDED):
-            path = RECORDED.get(name, Path(folder) / "recording.mcap")
-            if name in MAKERS:
-                MAKERS[name](path)
-            table[name] = seen(path)
+        table = {name: seen_of(name, Path(folder)) for name in (*MAKERS, *RECORDED)}
     TABLE.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
 
 

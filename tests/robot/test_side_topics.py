@@ -87,7 +87,6 @@ def test_other_units_are_left_aside(tmp_path: Path) -> None:
     beside = (imu, *(replace(imu, topic=topic) for topic in others))
     stats = measured(tmp_path, replace(recording, beside=beside))
     assert stats["imu"]["topic"] == "/imu/data"
-    named = measured(
-        tmp_path, replace(recording, beside=beside), "y.mcap", set={"imu_topic": "/camera/imu"}
-    )
+    option = {"imu_topic": "/camera/imu"}
+    named = measured(tmp_path, replace(recording, beside=beside), "y.mcap", set=option)
     assert named["imu"]["topic"] == "/camera/imu"

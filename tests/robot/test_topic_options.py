@@ -1,6 +1,7 @@
 """Options about topics and fields: what they choose, and what is said of those that do not fit."""
 
 import json
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -23,11 +24,9 @@ SENSORS = {
 
 def selected(path: Path, options: RobotOptions, **topics: str) -> Selection:
     feet, models = topics or DOGBOT | SPARE, {"a": 0.0, "b": 0.1}
-    log = open_recorded(write_log(path, feet, odometry=["/dogbot/odom", "/x"], models=models))
-    try:
+    write_log(path, feet, odometry=["/dogbot/odom", "/x"], models=models)
+    with closing(open_recorded(path)) as log:
         return select_topics(log, options)
-    finally:
-        log.close()
 
 
 @pytest.fixture

@@ -12,9 +12,7 @@ from dogbot_logtool.results import Conversion
 from tests.oracles import walks
 from tests.oracles.annotated_file import arrows
 from tests.oracles.frames import matrix_of
-from tests.paths import SAMPLE_LOGS
 
-TROT = SAMPLE_LOGS / "dogbot_trot.bag"
 WRENCHES = "geometry_msgs/msg/WrenchStamped"
 COUNTS = "unitree_go/msg/LowState"
 
@@ -67,15 +65,11 @@ class Swinging:
         self.walk, self.kind, self.folder = SwingingSensors(2), kind, folder
         self.frames = list(self.walk.frames())
         self.robot = walks.robot_file(folder, kind)
-        self.log, self.target = folder / "walk.mcap", folder / "out.mcap"
-
-    def written(self) -> Path:
-        entries = sorted([*self.frames, *self.walk.messages(self.kind)], key=lambda e: e.log_time)
-        walks.write_mcap(self.log, self.walk, entries)
-        return self.log
+        self.target = folder / "out.mcap"
 
     def converted(self, style: Literal["pressure", "force"] = "force") -> Conversion:
-        log, robot = self.written(), str(self.robot)
+        entries = sorted([*self.frames, *self.walk.messages(self.kind)], key=lambda e: e.log_time)
+        log, robot = walks.write_log(self.folder, self.walk, entries), str(self.robot)
         return dl.convert(log, self.target, encoding="ros2", copy=False, robot=robot, style=style)
 
     def arrows(self) -> Iterator[tuple[str, int, Any]]:

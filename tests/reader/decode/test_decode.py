@@ -75,12 +75,10 @@ def flat(table: Table, prefix: str = "") -> Iterator[tuple[str, object]]:
 
 
 def is_wanted(path: str, wanted: Sequence[str]) -> bool:
-    if path.endswith("[]"):
-        array = path.removesuffix("[]")
-        return any(f"{want}.".startswith(f"{array}.") for want in wanted) or is_wanted(
-            array, wanted
-        )
-    return any(f"{path}.".startswith(f"{want}.") for want in wanted)
+    name = path.removesuffix("[]")
+    is_below = any(f"{name}.".startswith(f"{want}.") for want in wanted)
+    is_above = any(f"{want}.".startswith(f"{name}.") for want in wanted)
+    return is_below or (is_above and path != name)
 
 
 def test_a_ros1_byte_is_signed_and_a_char_is_not() -> None:

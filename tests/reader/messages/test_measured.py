@@ -1,6 +1,6 @@
 """The synthetic walk in every type of contact message: what is measured and said of it."""
 
-from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -117,16 +117,14 @@ class Rounded(StateWalk):
     Those of one sensor are 30 times as many.
     """
 
+    ticks = count()
+
     def counts(self, forces: Any) -> Any:
         down = {leg: force[2] > 0.0 for leg, force in forces.items()}
         order = ("front_right", "front_left", "back_right", "back_left")
         jitter = int(next(self.ticks) % 2)
         loaded = dict.fromkeys(order, 140) | {"back_left": 4200}
         return np.array([loaded[leg] if down[leg] else 20 + jitter for leg in order], np.int16)
-
-    def __init__(self, ros: int) -> None:
-        super().__init__(ros)
-        self.ticks = iter(range(10**6))
 
 
 def test_counts_of_two_levels_tell_contact(tmp_path: Path) -> None:
@@ -189,28 +187,22 @@ def test_a_foot_that_no_message_names_is_not_sure(tmp_path: Path) -> None:
     assert "which element of /feet is nose is not known" in " ".join(each.text for each in found)
 
 
-class Ballbot(StateWalk):
-    """A robot without legs that uses the same controller."""
-
-    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
-        state = {"state": [np.zeros(10)], "input": [np.zeros(3)]}
-        yield "/feet", self.make(kind, time=0.01 * sample, **state)
-
-
-class Humanoid(StateWalk):
-    """Unitree's humanoids have a LowState without forces on feet."""
-
-    def contacts(self, kind: str, sample: int) -> Iterator[tuple[str, Any]]:
-        yield "/feet", self.make(kind, tick=sample, position=np.zeros(3, np.float32))
-
-
 @pytest.mark.parametrize(
-    ("walk", "kind"),
-    [(Ballbot(2), "ocs2_msgs/msg/mpc_observation"), (Humanoid(2), "unitree_hg/msg/LowState")],
+    ("kind", "fields"),
+    [
+        # A robot without legs that uses the same controller.
+        ("ocs2_msgs/msg/mpc_observation", {"state": [np.zeros(10)], "input": [np.zeros(3)]}),
+        # Unitree's humanoids have a LowState without forces on feet.
+        ("unitree_hg/msg/LowState", {"position": np.zeros(3)}),
+    ],
 )
-def test_types_that_do_not_tell_of_feet(tmp_path: Path, walk: StateWalk, kind: str) -> None:
+def test_types_that_do_not_tell_of_feet(tmp_path: Path, kind: str, fields: dict[str, Any]) -> None:
+    walk = walks.Walk(2)
     if kind not in walk.store.fielddefs:
         walk.store.register(get_types_from_msg("uint32 tick\nfloat32[3] position", kind))
-    found = describe(walks.write_log(tmp_path, walk, walk.messages(kind)), InfoOptions())
+    data = walk.bytes_of(kind, walk.make(kind, **fields))
+    base = [each for each in walks.messages(2, RAW[0]) if each.topic == "/odom"]
+    feet = [each._replace(topic="/feet", kind=kind, data=data) for each in base]
+    found = describe(walks.write_log(tmp_path, walk, [*base, *feet]), InfoOptions())
     assert {topic.topic: topic.use for topic in found.topics}["/feet"] == ""
     assert "NO_FEET" in {finding.code for finding in found.findings}

@@ -1,5 +1,6 @@
 """One walk in every type of contact message: the same columns, judged by the walk itself."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,12 +12,14 @@ from dogbot_logtool.core.contact.contacts import Samples
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.reader.foot import Foot
 from dogbot_logtool.reader.messages.feet import flagged
+from dogbot_logtool.reader.messages.gazebo import foot_sides, newest_step, step_times
 from dogbot_logtool.reader.messages.table import rows_of
 from dogbot_logtool.reader.opening import open_log
 from dogbot_logtool.reader.recording import read_recording
 from dogbot_logtool.robot.measuring.foot_samples import decide_contacts
 from dogbot_logtool.robot.selection import Selection, select_topics
 from tests.oracles import state_walks, walks
+from tests.reader.decode.oracle import texts_of
 
 JOINT_FOOT: Final = "sensor_msgs/msg/JointState"
 KINDS: Final = (*walks.KINDS, *state_walks.KINDS, JOINT_FOOT)
@@ -50,12 +53,9 @@ def write(folder: Path, kind: str, ros: int) -> Path:
 
 
 def read(folder: Path, kind: str, ros: int, robot: str = "generic") -> tuple[Selection, list[Any]]:
-    log = open_log(write(folder, kind, ros))
-    try:
+    with closing(open_log(write(folder, kind, ros))) as log:
         selection = select_topics(log, MeasureOptions(robot=robot))
         found = read_recording(log, selection.wanted(), jobs=1)
-    finally:
-        log.close()
     assert not found.losses
     feet, selection = decide_contacts(found.recording.feet, selection)
     return selection, list(feet)
@@ -133,3 +133,37 @@ def test_what_flags_mean(type_name: str, row: int, values: dict[float, int | Non
         int(touch) if is_known else None for is_known, touch in zip(known, touches, strict=True)
     ]
     assert found == [*values.values()]
+
+
+# Gazebo's physics steps, and links by the names of their bodies
+
+
+def told_at(seconds: int) -> str:
+    pair = "my geom:dogbot::leg::foot   other geom:ground_plane::link::collision"
+    return f"Debug:  i:(0/1)     {pair}         time:{seconds}.000000000\n"
+
+
+@pytest.mark.parametrize("info", ["", "no time here", "time12.5", "x" * 100, "time"])
+def test_a_message_that_tells_no_time_is_one_step_and_is_counted(info: str) -> None:
+    infos = [told_at(1), info, told_at(2), info, told_at(3)]
+    owner = np.array([0, 0, 0, 1, 2], np.int64)
+
+    newest, _, untimed = newest_step(step_times(texts_of(infos)), owner, np.zeros(3, np.int64))
+
+    assert newest.tolist() == [True] * 5
+    assert untimed == 1
+
+
+@pytest.mark.parametrize(
+    ("collision", "link"),
+    [
+        ("dogbot::front_left_lowerleg::lump__foot_collision_5", "front_left_lowerleg"),
+        ("world::dogbot::leg::foot", "leg"),
+        ("foot_collision", None),
+    ],
+)
+def test_the_link_stands_in_the_collisions_name(collision: str, link: str | None) -> None:
+    pair = texts_of([collision, "ground_plane::link::collision"])
+    foot = Foot("front_left", "/x", collision=collision)
+    _, links = foot_sides(pair.pick(np.array([0])), pair.pick(np.array([1])), np.array([0]), [foot])
+    assert links == ({0: {link}} if link else {})
