@@ -159,8 +159,6 @@ def test_convert_compare_info_and_check(tmp_path: Path) -> None:
         ({"start": 1e10}, "must be a number of seconds"),
         ({"jobs": 1.5}, "jobs=1.5: must be a whole number"),
         ({"join": "b.bag"}, "join='b.bag': must be True or False"),
-        ({"foot": {"a/b": "/x"}}, "--foot a/b: a foot's name has letters, digits and _ only"),
-        ({"set": {"contact_on": 12}}, "did you mean contact_on_n"),
         ({"set": {"contact_on_n": "much"}}, "must be a number above 0"),
         ({"set": {"wrench_frame": "earth"}}, "must be one of auto, world, link"),
         ({"set": {"tare.front_left": (0.0, 1.0)}}, "must be three numbers"),

@@ -2,8 +2,8 @@
 
 Each mutant is one small change that cosmic-ray makes (another operator, another number, a
 condition turned round) in a copy of the checkout. The tests of the changed file's own folder run
-first, and where these do not notice those of the core, of known truth, and of commands. A mutant
-that no test notices has survived. ``make mutants`` tries a sample of `core`.
+first, and where these do not notice the goldens, and those of the core, of known truth, and of
+commands. A mutant that no test notices has survived. ``make mutants`` tries a sample of `core`.
 """
 
 import argparse
@@ -32,7 +32,7 @@ _NOT_COPIED: Final = shutil.ignore_patterns(
     ".*", "build", "*.egg-info", "__pycache__", "demo_output"
 )
 _PATIENCE_S: Final = 600.0
-NOTICING: Final = ("tests/core", "tests/truth", "tests/commands")
+NOTICING: Final = ("tests/sample_logs", "tests/core", "tests/truth", "tests/commands")
 CAUGHT: Final = 0.9
 """Share of the mutants that tests must notice."""
 

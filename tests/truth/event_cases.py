@@ -85,7 +85,7 @@ def gait_changes() -> Iterator[Case]:
     for name, walks, codes, skip in (
         ("a stand, then a trot", (scenes.standing(), TROT), ("stand>trot",), "class, strides"),
         ("a trot, then a quicker one", (TROT, quick), ("trot>trot",),
-         "stride period, stance, braking, stride length"),
+         "stride period, stance, braking, stride length, loading, impact"),
         ("a trot, then a walk, then a trot", (TROT, slow, TROT), ("trot>walk", "walk>trot"),
          "duty factor, peak force, size, margin, stride length"),
     ):
@@ -171,7 +171,8 @@ def no_steps() -> Iterator[Case]:
     yield Case("falling", scenes.falling(), (), "FALL", "")
     yield Case("tipping", scenes.tipping(), (), r"\btip", "",
                events=(Event("tipping", 7.0, 1.0, code="FALL", value=(0.35, 0.01)),))
-    yield Case("rolling on wheels", scenes.rolling(), (), WHEELS)
+    yield Case("rolling on wheels", scenes.rolling(), (),
+               r"without steps for 8\.0 s, first at 0\.00 s")
     to_and_fro = (2.0, 0.0), (3.0, 1.0), (5.0, 1.0), (6.0, 0.0)
     yield Case("rolling to and fro on wheels",
                replace(scenes.rolling(), forward=to_and_fro), (), WHEELS, skip="speed, path")

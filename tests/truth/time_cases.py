@@ -37,6 +37,9 @@ def clocks() -> Iterator[Case]:
     yield Case("feet on simulation time, odometry on the wall's", TROT,
                (time.late_clock(-1.69e9),), CLOCK, shifted=True)
     yield Case("no stamps at all", TROT, (time.no_stamps(),), "stamp")
+    for name, feet in (("feet", True), ("base", False)):
+        yield Case(f"no stamps of the {name}", TROT, (time.stamped_in_part(feet=feet),),
+                   "LOG_TIME_USED")
     yield Case("simulation at 0.4 of real time", TROT, (time.slow_simulation(2.5),))
     yield Case("messages 50 ms late, 30 ms of jitter", TROT, (time.late_delivery(0.05, 0.03),))
     yield Case("logged in bursts of 0.1 s", TROT, (time.in_bursts(0.1),))

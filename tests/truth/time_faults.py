@@ -27,11 +27,11 @@ def slow_simulation(sent: Any, factor: float) -> Any:
     return replace(sent, log_time=START_NS + since)
 
 
-def quarter_speed(*, feet: bool) -> Disturbance:
-    """Let a simulation go at a quarter of real time, and feet, or the base, have no stamps."""
+def stamped_in_part(*, feet: bool, slower: float = 1.0) -> Disturbance:
+    """Let feet, or else the base, have no stamps, in a simulation that may be slow."""
 
     def change(recording: Recording) -> Recording:
-        slow = slow_simulation(4.0)(recording)
+        slow = slow_simulation(slower)(recording)
         bare = no_stamps()(slow)
         return replace(slow, feet=bare.feet) if feet else replace(slow, base=bare.base)
 

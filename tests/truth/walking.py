@@ -249,11 +249,37 @@ class Walk:
             "braking_impulse_ns": each(lambda foot: braked * self.mean_vertical_n(foot)),
             "propulsive_impulse_ns": each(lambda foot: braked * self.mean_vertical_n(foot)),
             "slip_m": self.slip_m,
+            "slip_largest_m": 0.8 * self.slip_m,
+            "contact_travel_m": 0.8 * self.slip_m * self._level,
+            **self._truth_of_forces(),
             "load_share": shares,
             "load_share_fore": pairs[0],
             "load_share_left": pairs[1],
             "phase": each(lambda foot: self.gait.phases[foot] - self.gait.phases[0]),
         }
+
+    def _truth_of_forces(self) -> dict[str, Any]:
+        """Return what the curve of the force tells of touchdowns and of friction."""
+        found: dict[str, list[float]] = {
+            "loading_rate_nps": [],
+            "impact_ratio": [],
+            "friction_use": [],
+        }
+        stance = np.arange(1, _MOMENTS) / _MOMENTS * self.stance_s
+        normal = self._in_world(*np.eye(3)[2][:, None])[0]
+        for foot in range(len(self.robot.feet)):
+            start = self.gait.phases[foot] - self.begin
+            force = self.force(foot, start * self.period_s + stance)
+            size, pressing = np.linalg.norm(force, axis=1), np.abs(force @ normal)
+            first = np.argmax((size[:-1] >= size[1:]) & (size[:-1] > size.max() / 2.0))
+            low, high = (np.argmax(size >= share * size[first]) for share in (0.2, 0.8))
+            rise_s = stance[high] - stance[low]
+            found["loading_rate_nps"].append(0.6 * size[first] / rise_s)
+            found["impact_ratio"].append(size[stance <= 0.05].max() / np.median(size))
+            use = np.sqrt(np.maximum(size**2 - pressing**2, 0.0)) / pressing
+            loaded = size >= 0.05 * self.robot.weight_n
+            found["friction_use"].append(float(np.percentile(use[loaded], 95.0)))
+        return {name: tuple(each) for name, each in found.items()}
 
     def _truth_of_base(self) -> dict[str, Any]:
         x, y = self._way(np.array([self.seconds]))

@@ -177,6 +177,8 @@ ALIKE: Final = 0.08
 """By which those of the others, and what is left of its own, differ at most."""
 UNCERTAIN: Final = 0.1
 """Sampling interval over stride from which duty and phase are not known."""
+SLOWEST_S: Final = 0.011
+"""Sampling interval above which an impact, of 50 ms, is not resolved: 100 Hz, some of it late."""
 CHANGES: Final = 0.06
 """Share of the weight by which it changes when a load is put on or taken off."""
 LENGTHS_CHANGE: Final = 0.15
@@ -267,7 +269,7 @@ def _odd_feet(walk: Walk) -> Iterator[str]:
 
 
 def sampled_slowly(walk: Walk) -> Iterator[Finding]:
-    """Yield feet of which contact is known too rarely in a stride."""
+    """Yield feet of which contact is known too rarely in a stride, or force in a touchdown."""
     samples = {
         foot.name: (walk.period_s or np.inf) / foot.record.median_interval_s
         for foot in walk.feet
@@ -278,6 +280,13 @@ def sampled_slowly(walk: Walk) -> Iterator[Finding]:
         least = min(samples.values())
         words: Words = {"names": ", ".join(feet), "least": least, "share": 1.0 / least}
         yield found("SAMPLED_SLOWLY", "contact", where="feet", feet=feet, **words)
+    slow = [
+        foot.name
+        for foot in walk.feet
+        if foot.record.has_force and (foot.record.median_interval_s or 0.0) > SLOWEST_S
+    ]
+    if slow and not walk.settings.contact_from:
+        yield found("SAMPLED_SLOWLY", "impact", where="feet", feet=slow, names=", ".join(slow))
 
 
 def payload(walk: Walk) -> Iterator[Finding]:

@@ -410,7 +410,7 @@ def _loading_rates(track: FootTrack, begin: Ints, end: Ints, peak: Floats) -> Fl
     rises_no_more = (own >= FIRST_PEAK * peak[stance]) & ((own >= after) | (rows == last[stance]))
     top = force[first_of(rises_no_more & (rows > first[stance]))]
     low, high = (first_of(own >= (share * top)[stance]) for share in (RISE_FROM, RISE_TO))
-    known = (last - first >= 2) & (low > first) & (low < high)
+    known = (low > first) & (low < high)
 
     def crossed_s(row: Ints, level: Floats) -> Floats:
         """(k,) s, when the force reaches a level before a row."""
