@@ -148,6 +148,7 @@ def test_every_pattern_voids_a_metric() -> None:
         ("SATURATED", "", {"feet.{foot}.peak_*"}),
         ("WORLDS_DIFFER", "", {"base.height_m", "base.froude"}),
         ("WORLDS_DIFFER", "aside", {"stability.*"}),
+        ("UP_AXIS", "", {"base.*", "stability.*"}),
         ("COMMAND_AXES", "unknown", {"commands.forward.*", "commands.lateral.*"}),
         ("IMPULSE_IS_NOT_WEIGHT", "vertical", {"feet.*.*vertical*"}),
     ],
