@@ -2,12 +2,10 @@
 
 import json
 from collections.abc import Iterable
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import pytest
-from rich.console import Console
 
 from dogbot_logtool.commands.info import describe
 from dogbot_logtool.commands.new_robot import new_robot
@@ -15,24 +13,16 @@ from dogbot_logtool.commands.stats import measure
 from dogbot_logtool.options import MeasureOptions
 from dogbot_logtool.options.info import InfoOptions
 from dogbot_logtool.report.documents import stats_json
-from dogbot_logtool.report.info_report import info_json, print_info
-from dogbot_logtool.results import LogInfo
 from tests.oracles import base_walks, state_walks, walks
 from tests.oracles.state_walks import StateWalk
 from tests.paths import TROT, WALK
 from tests.reader.mcap_bytes import McapBytes, Message
+from tests.shell import Shell
 
 
 def truth(log: Path) -> dict[str, Any]:
     told: dict[str, Any] = json.loads(log.with_suffix(".truth.json").read_text(encoding="utf-8"))
     return told
-
-
-def printed(info: LogInfo, width: int = 120) -> str:
-    console = Console(width=width, file=StringIO())
-    print_info(console, info)
-    assert isinstance(console.file, StringIO)
-    return console.file.getvalue()
 
 
 @pytest.mark.parametrize("log", [TROT, WALK], ids=lambda log: log.stem)
@@ -53,23 +43,16 @@ def test_counts_times_and_types(log: Path) -> None:
     assert info.robot == "dogbot"
 
 
-def test_an_empty_log(tmp_path: Path) -> None:
-    path = tmp_path / "empty.mcap"
-    path.write_bytes(McapBytes([], topics={}).build())
-    info = describe(path, InfoOptions())
-    assert (info.messages, info.start_time, info.duration_s, info.topics) == (0, None, None, ())
-    assert not info.damage.losses
-    assert info.added_transform is None
-    assert "messages" in printed(info)
-    json.dumps(info_json(info))
-
-
-def test_a_log_of_one_instant_has_no_rate(tmp_path: Path) -> None:
-    path, time = tmp_path / "one.mcap", 1_700_000_000_000_000_000
-    path.write_bytes(McapBytes([[Message(1, time, b"")]], topics={1: "/x"}).build())
-    info = describe(path, InfoOptions())
-    assert (info.duration_s, info.topics[0].rate_hz) == (0.0, None)
-    assert "2023-11-14 22:13:20 UTC" in printed(info)
+def test_logs_of_no_message_and_of_one(shell: Shell) -> None:
+    start = Message(1, 1_700_000_000_000_000_000, b"")
+    for name, log in (("empty", McapBytes([], topics={})), ("one", McapBytes([[start]]))):
+        (shell.folder / name).write_bytes(log.build())
+    empty, one = shell("info", "empty", "one", "--json", "--jobs", 1).json
+    assert (empty["messages"], empty["start_time_ns"], empty["duration_s"]) == (0, None, None)
+    assert (empty["topics"], empty["frames"]["added"], empty["damage"]["text"]) == ([], None, None)
+    assert (one["messages"], one["duration_s"], one["topics"][0]["rate_hz"]) == (1, 0.0, None)
+    assert "messages     0\n" in shell("info", "empty").out
+    assert "2023-11-14 22:13:20 UTC" in shell("info", "one").out
 
 
 # --- A robot's file -------------------------------------------------------------------------------

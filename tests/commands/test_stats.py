@@ -12,11 +12,6 @@ from tests.measured import measured
 from tests.oracles import walks
 from tests.oracles.state_walks import StateWalk
 
-
-def figures(log: Path) -> dict[str, Any]:
-    return stats_json(measured(log))
-
-
 AHEAD: Final = 4
 """Samples of 10 ms by which everything is planned earlier."""
 PLANNED_FORCE: Final = 1.25
@@ -65,7 +60,7 @@ def both(kind: str) -> Iterator[walks.Entry]:
 def test_a_walk_that_is_late_against_its_plan(tmp_path: Path, kind: str) -> None:
     entries = sorted(both(kind), key=lambda entry: entry.log_time)
     walks.write_mcap(tmp_path / "walk.mcap", StateWalk(2), entries)
-    found = figures(tmp_path / "walk.mcap")
+    found = stats_json(measured(tmp_path / "walk.mcap"))
     assert {foot["topic"] for foot in found["settings"]["feet"].values()} == {TOPICS[kind][0]}
     for name, foot in found["feet"].items():
         hasty = name == "front_left"
@@ -98,5 +93,5 @@ def test_planned_contacts_beside_the_counts(tmp_path: Path) -> None:
         for e in walk.messages(kind)
     ]
     walks.write_mcap(tmp_path / "walk.mcap", walk, entries)
-    for foot in figures(tmp_path / "walk.mcap")["feet"].values():
+    for foot in stats_json(measured(tmp_path / "walk.mcap"))["feet"].values():
         assert foot["planned"]["delay_s"]["median"] == pytest.approx(0.04, abs=1e-6)

@@ -30,7 +30,6 @@ def other(old: str, new: str) -> str:
 
 SAME: list[tuple[str, str, dict[str, Any]]] = [
     *((text, text, {}) for text in ("[1, 1.5, NaN, Infinity, true, null, {}, []]", Q, STATS)),
-    ("[NaN]", "[NaN]", {}),
     (f'{{"q": {Q}}}', f'{{"q": {TURNED}}}', {}),
     (f'{{"q": {Q}}}', f'{{"q": {TURNED.replace("0.2", "9.0")}}}', {"ignore": ["q.y"]}),
     ('{"h": {"s": 1}, "v": 1}', '{"h": {"s": 2}, "v": 1}', {"ignore": ["h.s"]}),
@@ -101,7 +100,6 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ('{"log": {"path": "1"}, "a": 1}', {"topics": "log"}, f"--topics {NO_VALUE}"),
     (STATS, {"atol": -1.0}, "atol=-1.0: must be a number from 0"),
     ('{"a": ', {}, "is not JSON"),
-    ("[" * 100_000, {}, "is nested too deeply"),
     (f"{'[' * 990}1{']' * 990}", {"ignore": "x"}, "is nested too deeply"),
 ]
 

@@ -219,7 +219,7 @@ def _foxglove(kind: str, sample: int) -> Fields:
 def write(path: Path, kind: str, *topics: str) -> Path:
     """Write the walk of the base in one type of message."""
     encodings, described = ("protobuf", "protobuf"), b"{}"
-    if kind in _KINDS:
+    if kind not in _FOXGLOVE:
         encodings, described = ("cdr", "ros2msg"), definition(kind).encode()
     times = (walks.START + sample * walks.STEP for sample in range(SAMPLES))
     sent = [(time, message(kind, sample)) for sample, time in enumerate(times)]

@@ -42,8 +42,7 @@ def write(path: Path, samples: Samples) -> Path:
         for topic, kind, fields in samples(sample / RATE_HZ):
             data = walk.bytes_of(kind, walk.make(kind, **fields))
             entries.append(walks.Entry(topic, kind, time, data))
-    walks.write_mcap(path, walk, entries)
-    return path
+    return walks.write_mcap(path, walk, entries)
 
 
 def six_feet(

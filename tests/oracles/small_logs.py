@@ -287,5 +287,4 @@ def write_log(
                 states = [walk.classic_state("foot", force)] if down else []
                 message = walk.make(kind, header=header, states=states)
             entries.append(walks.Entry(topic, kind, time, walk.bytes_of(kind, message)))
-    walks.write_mcap(path, walk, entries)
-    return path
+    return walks.write_mcap(path, walk, entries)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import zstandard
 
-from dogbot_logtool.errors import CallError, LogError
+from dogbot_logtool.errors import LogError
 from dogbot_logtool.reader.opening import open_log
 from tests.reader.bag_bytes import BagBytes, Connection, small_bag
 from tests.reader.bag_bytes import Message as BagMessage
@@ -124,8 +124,3 @@ def test_a_copy_that_cannot_be_kept_is_told(
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "absent"))
     with pytest.raises(LogError, match=r"all of it cannot be kept in .*absent: No such file"):
         read_bytes(tmp_path, CHECKED)
-
-
-def test_no_file_is_a_wrong_call(tmp_path: Path) -> None:
-    with pytest.raises(CallError):
-        open_log(tmp_path / "absent.bag")

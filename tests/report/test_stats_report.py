@@ -54,10 +54,10 @@ LACKS: Final = {
 
 
 @pytest.fixture(scope="module")
-def missing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Measurement]:
-    """Return the trot with some of its topics only."""
+def logs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Measurement]:
+    """Return the samples, and the trot with some of its topics only."""
     folder = tmp_path_factory.mktemp("logs")
-    found = {}
+    found = {name: measured(log) for name, log in SAMPLES.items()}
     for name, topics in TOPICS.items():
         dl.convert(TROT, folder / f"{name}.mcap", topics=topics, tf="never", overwrite=True)
         found[name] = measured(folder / f"{name}.mcap")
@@ -84,9 +84,9 @@ def text_of(done: Measurement, width: int, *, verbose: bool = False) -> str:
 
 @pytest.mark.parametrize("case", [*SAMPLES, *TOPICS])
 def test_whatever_is_missing_the_json_is_valid_and_says_why(
-    missing: dict[str, Measurement], case: str
+    logs: dict[str, Measurement], case: str
 ) -> None:
-    document = valid_json(measured(SAMPLES[case]) if case in SAMPLES else missing[case])
+    document = valid_json(logs[case])
     assert document["findings"]
     for name, foot in document["feet"].items():
         nulls = {f"feet.{name}.{key}" for key, value in foot.items() if value is None}
@@ -99,11 +99,10 @@ def test_whatever_is_missing_the_json_is_valid_and_says_why(
 @pytest.mark.parametrize("width", [80, 140])
 @pytest.mark.parametrize("case", [*SAMPLES, *TOPICS])
 def test_no_line_is_wider_than_the_terminal_and_nothing_is_cut_short(
-    missing: dict[str, Measurement], case: str, width: int
+    logs: dict[str, Measurement], case: str, width: int
 ) -> None:
-    done = measured(SAMPLES[case]) if case in SAMPLES else missing[case]
     for verbose in (False, True):
-        text = text_of(done, width, verbose=verbose)
+        text = text_of(logs[case], width, verbose=verbose)
         lines = text.splitlines()
         too_long = [line for line in lines if len(line) > width and len(line.split()) > 1]
         # Commands stay whole, so that they can be pasted.

@@ -15,13 +15,7 @@ import dogbot_logtool as dl
 from dogbot_logtool.errors import LogtoolError
 from dogbot_logtool.mcap_layout import MESSAGE_HEAD
 from dogbot_logtool.writer.channels import added_channels
-from dogbot_logtool.writer.chunks import (
-    CHUNK_SIZE,
-    MessageRecords,
-    finish_chunks,
-    indexed_channels,
-    recorded,
-)
+from dogbot_logtool.writer.chunks import CHUNK_SIZE, finish_chunks, indexed_channels, recorded
 from dogbot_logtool.writer.encodings.encoding import MessageType
 from dogbot_logtool.writer.encodings.foxglove import FoxgloveEncoding
 from dogbot_logtool.writer.encodings.ros import Ros2Encoding
@@ -65,17 +59,12 @@ def test_ids_are_those_that_the_log_does_not_use(used: set[int]) -> None:
         added_channels({**types, "/one more": KIND}, (), ids, {})
 
 
-def messages(channel: int, times: list[int], sizes: list[int]) -> MessageRecords:
-    """Return messages of zeros."""
-    log_time, zero, end = np.array(times), np.zeros(len(times), np.int64), np.cumsum(sizes)
-    data = np.zeros(sum(sizes), np.uint8)
-    start = end - np.array(sizes)
-    return recorded(zero + channel, zero, log_time, log_time, data, start, end)
-
-
 def test_a_message_larger_than_a_chunk_is_not_split() -> None:
-    sizes = [1, CHUNK_SIZE + 5, 1, 3 * CHUNK_SIZE, 1, 1]
-    chunks = list(finish_chunks(messages(1, [*range(6)], sizes), "none"))
+    sizes = np.array([1, CHUNK_SIZE + 5, 1, 3 * CHUNK_SIZE, 1, 1])
+    time, zero, end = np.arange(6), np.zeros(6, np.int64), np.cumsum(sizes)
+    data = np.zeros(end[-1], np.uint8)
+    messages = recorded(zero + 1, zero, time, time, data, end - sizes, end)
+    chunks = list(finish_chunks(messages, "none"))
     assert sum(chunk.size for chunk in chunks) == sum(sizes) + 6 * (9 + 22)
     counts = [count for chunk in chunks for _, _, count in indexed_channels(chunk.index)]
     assert sum(counts) == 6

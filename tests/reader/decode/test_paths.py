@@ -117,7 +117,6 @@ def test_vectors_of_arrays_of_another_length_are_not_known(condition: str, fits:
         ("dawn", "nearest are down (bool)"),
         ("legs[0].turn", "nearest are legs[].turn.x"),
         ("legs.force", "nearest are legs[].force"),
-        ("loads[4]", "must be readable as loads[4]"),
         ("", "is no path"),
         ("loads[-1]", "is no path"),
         ("loads[0]&1", "only integers have bits"),

@@ -326,15 +326,14 @@ def test_a_foot_stands_still_while_it_is_down_and_frames_lead_to_it() -> None:
 
 
 def _world(point: Any, position: Any, angles: Any) -> Any:
-    """Turn points by yaw, pitch and roll, one elementary rotation after the other."""
-    placed = []
-    for row, (roll, pitch, yaw) in zip(point, angles, strict=True):
-        c, s = np.cos, np.sin
-        about_x = np.array([[1, 0, 0], [0, c(roll), -s(roll)], [0, s(roll), c(roll)]])
-        about_y = np.array([[c(pitch), 0, s(pitch)], [0, 1, 0], [-s(pitch), 0, c(pitch)]])
-        about_z = np.array([[c(yaw), -s(yaw), 0], [s(yaw), c(yaw), 0], [0, 0, 1]])
-        placed.append(about_z @ about_y @ about_x @ row)
-    return position + np.array(placed)
+    """Turn points about x by roll, about y by pitch and about z by yaw, and move them."""
+    turned = point.copy()
+    for axis, angle in enumerate(angles.T):
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        a, b = turned[:, first].copy(), turned[:, second].copy()
+        turned[:, first] = np.cos(angle) * a - np.sin(angle) * b
+        turned[:, second] = np.sin(angle) * a + np.cos(angle) * b
+    return position + turned
 
 
 def test_joint_states_bend_the_legs_as_the_engine_does(tmp_path: Path) -> None:
