@@ -28,7 +28,8 @@ class Judged:
     why: str = ""
 
 
-OF_POINTS: Final = {"margin", "unstable margin", "energy margin", "pressure", "slip", "friction"}
+OF_POINTS: Final = {"margin", "unstable margin", "energy margin", "pressure", "friction", "slip",
+                   "largest slip", "contact travel"}  # fmt: skip
 """Figures of contact points."""
 OF_SOUND_LOGS: Final = {"vertical_impulse_ns", "undefined_fraction", "unknown_fraction",
                         "contact_travel_m", "slip_largest_m", "loading_rate_nps", "impact_ratio",
@@ -53,6 +54,8 @@ STRUCTURAL: Final = {
     "energy margin": "height|no contact points",
     "froude": "height|no contact points",
     "slip": "foot_rolling_m|no contact points",
+    "largest slip": "foot_rolling_m|no contact points",
+    "contact travel": "no contact points",
     "loading": "no forces",
     "impact": "no forces|below 100 Hz",
     "friction": "frame of the forces|no contact normals",
@@ -195,8 +198,8 @@ def _figures(allow: Tolerance, stride_s: float) -> Iterator[tuple[str, str, str,
         ("braking_impulse_ns", "braking", "feet.*.braking_impulse_ns.mean", 0.01, 0.1),
         ("propulsive_impulse_ns", "braking", "feet.*.propulsive_impulse_ns.mean", 0.0, 0.1),
         ("slip_m", "slip", "feet.*.slip_m.median", 0.004, 0.0),
-        ("slip_largest_m", "slip", "feet.*.slip_largest_m.median", 0.004, 0.0),
-        ("contact_travel_m", "slip", "feet.*.contact_travel_m.median", 0.0005, 0.01),
+        ("slip_largest_m", "largest slip", "feet.*.slip_largest_m.median", 0.004, 0.0),
+        ("contact_travel_m", "contact travel", "feet.*.contact_travel_m.median", 0.0005, 0.01),
         ("loading_rate_nps", "loading", "feet.*.loading_rate_nps.median", 0.0, 0.07),
         ("impact_ratio", "impact", "feet.*.impact_ratio.median", 0.04, 0.12),
         ("friction_use", "friction", "feet.*.friction_use.median", 0.001, 0.02),
