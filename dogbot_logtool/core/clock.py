@@ -17,6 +17,8 @@ SILENCE_NS: Final = 50_000_000
 """ns: a shorter interval between messages is never a gap."""
 GAP_INTERVALS: Final = 5.0
 """A gap is longer than this many usual intervals, and than `SILENCE_NS`."""
+SLOWEST_S: Final = 0.011
+"""Sampling interval up to which a touchdown is resolved: 100 Hz, and some jitter."""
 FEWEST_INTERVALS: Final = 10
 """Messages or intervals from which a rate, or what is usual, means something."""
 

@@ -14,7 +14,7 @@ import numpy as np
 from dogbot_logtool.core.arrays import Floats, Ints, aggregate, median_of
 from dogbot_logtool.core.base.ground import Footfalls, FootPath, footfalls, known_path
 from dogbot_logtool.core.base.witness import by_legs
-from dogbot_logtool.core.clock import first_at_each_tick, too_far_apart
+from dogbot_logtool.core.clock import SLOWEST_S, first_at_each_tick, too_far_apart
 from dogbot_logtool.core.frames.transforms import FrameTrack, lookup
 from dogbot_logtool.core.gait.feet import CYCLE, FootSteps, cycle_curve
 from dogbot_logtool.core.gait.strides import Strides
@@ -221,8 +221,6 @@ def _cost(walk: Walk, absolute_j: Floats) -> float | None:
 
 
 TRANSFORM_RATE_HZ: Final = 200.0
-SLOWEST_NS: Final = 11_000_000
-"""ns: a foot that is told less often has no velocity at touchdown."""
 
 
 def foot_path(chain: LegChain | None, frames: Mapping[str, FrameTrack]) -> FootPath | None:
@@ -290,8 +288,8 @@ def swings(
 
 def is_slow(path: FootPath, contact_interval_s: float) -> bool:
     """Tell whether path or contacts are sampled too rarely for velocities at touchdown."""
-    intervals = contact_interval_s * 1e9, float(median_of(np.diff(path.time)))
-    return not all(each <= SLOWEST_NS for each in intervals)
+    intervals = contact_interval_s, float(median_of(np.diff(path.time))) / 1e9
+    return not all(each <= SLOWEST_S for each in intervals)
 
 
 def _above_line(position: Floats, before: Floats, after: Floats) -> Floats:

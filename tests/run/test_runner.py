@@ -14,9 +14,9 @@ import pytest
 from dogbot_logtool.run.executor import ProcessRunner
 from dogbot_logtool.run.runner import Failure, Runner, runner_for
 from tests.paths import ROOT
+from tests.processes import survivors_of
 from tests.run.work import Progress, work
 from tests.shell import Outcome, python
-from tests.torture.test_signals import survivors_of
 
 
 def outcomes(runner: Runner[Any], folder: Path, *items: str) -> tuple[list[Any], Progress]:

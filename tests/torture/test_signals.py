@@ -27,6 +27,7 @@ from tests.oracles.recorded import unpacked
 from tests.oracles.small_logs import odometry_log
 from tests.oracles.walks import write_rosbag2
 from tests.paths import ROOT, TROT, TROUBLED, WALK
+from tests.processes import PATIENCE_S, members, survivors_of
 from tests.torture.test_commands import COMMANDS, TRIES
 
 INT, TERM, HUP, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL
@@ -50,8 +51,6 @@ for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
     signal.signal(number, signal.SIG_DFL)
 os.execv(sys.executable, [sys.executable, "-m", "dogbot_logtool", *sys.argv[1:]])
 """
-PATIENCE_S: Final = 60.0
-"""Nothing takes longer on the slowest of machines."""
 APART_S: Final = 0.05
 """Between two signals, at most."""
 
@@ -92,18 +91,6 @@ def contents(folder: Path) -> dict[str, bytes]:
     """Return all files below a folder, hidden ones too."""
     files = (path for path in folder.rglob("*") if path.is_file())
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
-
-
-def members(session: int) -> list[int]:
-    """Return the processes of a session that still run."""
-    return [each.pid for each in psutil.process_iter() if is_member(each, session)]
-
-
-def is_member(process: psutil.Process, session: int) -> bool:
-    with contextlib.suppress(psutil.Error, ProcessLookupError):
-        ended = process.status() in {psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD}
-        return not ended and os.getsid(process.pid) == session
-    return False
 
 
 def wait_until_ready(process: "subprocess.Popen[str]") -> None:
@@ -193,15 +180,6 @@ def unwanted(text: str, signals: Sequence[signal.Signals]) -> Iterator[str]:
     for each in ("Traceback", "Exception ignored", "damage:"):
         if each in text:
             yield f"{each}: {text}"
-
-
-def survivors_of(session: int) -> Iterator[str]:
-    end = time.monotonic() + PATIENCE_S
-    while (alive := members(session)) and time.monotonic() < end:
-        time.sleep(0.01)
-    for survivor in alive:
-        yield f"process {survivor} goes on"
-        os.kill(survivor, KILL)
 
 
 # --- Tests ----------------------------------------------------------------------------------------

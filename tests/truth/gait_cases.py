@@ -27,6 +27,8 @@ def robots_and_rates() -> Iterator[Case]:
             yield Case(f"trot, {kind}, {mass:g} kg", Walk(robot=quadruped(mass)), sensors)
     yield Case("trot, the left feet carry more", Walk(shares=(0.3, 0.2, 0.3, 0.2)))
     yield Case("trot, feet slip by 30 mm", Walk(slip_m=0.03), cause="slip")
+    yield Case("trot, feet slip by 30 mm and hardly roll", Walk(slip_m=0.03),
+               (sensor.user_gives(set={"foot_rolling_m": "1e-6"}),))
     yield Case("trot, bumpers touch the robot itself", TROT, (changed(touches_itself=True),))
     yield Case("trot, contacts without forces", TROT, (sensor.without_forces(),),
                "NO_FORCE|no force|zero", skip="verdict")

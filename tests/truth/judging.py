@@ -32,7 +32,7 @@ OF_POINTS: Final = {"margin", "unstable margin", "energy margin", "pressure", "f
                    "largest slip", "contact travel"}  # fmt: skip
 """Figures of contact points."""
 OF_SOUND_LOGS: Final = {"vertical_impulse_ns", "undefined_fraction", "unknown_fraction",
-                        "contact_travel_m", "slip_largest_m", "loading_rate_nps", "impact_ratio",
+                        "contact_travel_m", "loading_rate_nps", "impact_ratio",
                         "friction_use"}  # fmt: skip
 """Metrics that faults change."""
 STEPS: Final = {"touchdown", "lift_off"}

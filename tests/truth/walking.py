@@ -229,6 +229,7 @@ class Walk:
 
         whole = np.linspace(0.0, self.seconds, _MOMENTS)
         braked = self._level * self.traction * self.stance_s / np.pi
+        slid = 0.8 * self.slip_m * self._level  # from 10 % to 90 % of a stance
         shares = each(self.share)
         pairs = (sum(shares[:2]), sum(shares[::2])) if len(shares) == 4 else (None, None)
         return {
@@ -248,9 +249,7 @@ class Walk:
             ),
             "braking_impulse_ns": each(lambda foot: braked * self.mean_vertical_n(foot)),
             "propulsive_impulse_ns": each(lambda foot: braked * self.mean_vertical_n(foot)),
-            "slip_m": self.slip_m,
-            "slip_largest_m": 0.8 * self.slip_m,
-            "contact_travel_m": 0.8 * self.slip_m * self._level,
+            **dict.fromkeys(("slip_m", "slip_largest_m", "contact_travel_m"), slid),
             **self._truth_of_forces(),
             "load_share": shares,
             "load_share_fore": pairs[0],
@@ -266,11 +265,12 @@ class Walk:
             "friction_use": [],
         }
         stance = np.arange(1, _MOMENTS) / _MOMENTS * self.stance_s
-        normal = self._in_world(*np.eye(3)[2][:, None])[0]
+        zero = np.zeros_like(stance)
+        normal = self._in_world(zero, zero, zero + 1.0)
         for foot in range(len(self.robot.feet)):
             start = self.gait.phases[foot] - self.begin
             force = self.force(foot, start * self.period_s + stance)
-            size, pressing = np.linalg.norm(force, axis=1), np.abs(force @ normal)
+            size, pressing = np.linalg.norm(force, axis=1), np.abs((force * normal).sum(axis=1))
             first = np.argmax((size[:-1] >= size[1:]) & (size[:-1] > size.max() / 2.0))
             low, high = (np.argmax(size >= share * size[first]) for share in (0.2, 0.8))
             rise_s = stance[high] - stance[low]

@@ -9,6 +9,7 @@ from dogbot_logtool.core import timespans
 from dogbot_logtool.core.arrays import Floats, Ints, interpolated, median_of
 from dogbot_logtool.core.base.motion import down_spans
 from dogbot_logtool.core.checks.base import HALF, STAYS_M, feet_agree, rest_in_the_air
+from dogbot_logtool.core.clock import SLOWEST_S
 from dogbot_logtool.core.loads import is_stuck, mean_impulses
 from dogbot_logtool.core.sensors import HEAVILY_FILTERED
 from dogbot_logtool.core.settings import GRAVITY_MPS2
@@ -177,8 +178,6 @@ ALIKE: Final = 0.08
 """By which those of the others, and what is left of its own, differ at most."""
 UNCERTAIN: Final = 0.1
 """Sampling interval over stride from which duty and phase are not known."""
-SLOWEST_S: Final = 0.011
-"""Sampling interval above which an impact, of 50 ms, is not resolved: 100 Hz, some of it late."""
 CHANGES: Final = 0.06
 """Share of the weight by which it changes when a load is put on or taken off."""
 LENGTHS_CHANGE: Final = 0.15
